@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import platform
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from importlib.metadata import version
 from pathlib import Path
 
@@ -27,6 +27,7 @@ from benchmarks import (
     general,
     large,
     mappers,
+    npbench,
     paper,
     precision,
     quality,
@@ -104,6 +105,7 @@ QUALITY = "quality"
 MAPPERS = "mappers"
 PAPER = "paper"
 POLYBENCH = "polybench"
+NPBENCH = "npbench"
 FRAMES = "frames"
 GEMM = "gemm"
 SIMD = "simd"
@@ -114,7 +116,7 @@ START = "start"
 STAGES = "stages"
 SPLATS = "splats"
 DEFAULT = (*TABLES, ENGINES, FRAMES, QUALITY, FORMATS, GEMM, SIMD, PRECISION)
-CHOICES = (*DEFAULT, LARGE, SPLATS, PAPER, MAPPERS, POLYBENCH, START, STAGES)
+CHOICES = (*DEFAULT, LARGE, SPLATS, PAPER, MAPPERS, POLYBENCH, NPBENCH, START, STAGES)
 """What is not made by default takes long: it is made by name."""
 MODULES = {
     ENGINES: engines,
@@ -179,8 +181,15 @@ def lines_of(table: str, fabric: str, time_limit_s: float) -> Iterator[str]:
     multiple=True,
     help=f"Sides of the paper's tables, the last for its figures; default: {paper.SIZES}.",
 )
+@click.option(
+    "--suites",
+    type=click.Path(path_type=Path, file_okay=False, exists=True),
+    help="Folder with a copy of NPBench.",
+)
 @click.option("--time-limit", default=60.0, show_default=True, help="Seconds of mapping a kernel.")
-@click.option("--only", default="", help="Kernels of polybench, as gemm,lu; default: all.")
+@click.option(
+    "--only", default="", help="Kernels of polybench or npbench, as gemm,lu; default: all."
+)
 @click.option(
     "--sizes",
     "scales",
@@ -206,6 +215,7 @@ def main(  # noqa: PLR0913, PLR0917 - an option each
     chosen: tuple[str, ...],
     methods: tuple[str, ...],
     sizes: tuple[int, ...],
+    suites: Path | None,
     time_limit: float,
     only: str,
     scales: tuple[str, ...],
@@ -232,6 +242,12 @@ def main(  # noqa: PLR0913, PLR0917 - an option each
                 continue
             if table == PAPER:
                 _print_paper(methods, sizes, output)
+                continue
+            if table == NPBENCH:
+                if suites is None:
+                    raise click.UsageError("--table npbench needs --suites DIR, a copy of NPBench")
+                names = tuple(name for name in only.split(",") if name)
+                _print_own(NPBENCH, npbench.TITLE, npbench.lines(suites, names), output)
                 continue
             if table == POLYBENCH:
                 names = tuple(name for name in only.split(",") if name)
@@ -265,11 +281,15 @@ def _print_table(
         lines.append("")
 
 
-def _print_own(table: str, title: str, body: list[str], output: Path | None) -> None:
+def _print_own(table: str, title: str, body: Iterable[str], output: Path | None) -> None:
     """A table that is made for fabrics of its own."""
     command = f"python -m benchmarks --table {table}"
-    lines = [f"# {title}", "", f"Made by `{command}` (`make bench`).", "", *machine(), "", *body]
+    made = f"`{command}` (`make bench`)" if table in DEFAULT else f"`{command} --suites DIR`"
+    lines = [f"# {title}", "", f"Made by {made}.", "", *machine(), ""]
     click.echo("\n".join(lines))
+    for line in body:  # some take long
+        lines.append(line)
+        click.echo(line)
     if output is not None:
         write_whole(output / f"{table}.md", "\n".join([*lines, ""]).encode())
 

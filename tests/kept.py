@@ -26,6 +26,7 @@ import numba
 import numpy as np
 import pytest
 from llvmlite import binding
+from numba.core import types
 
 import vividc.frontend.lower
 from tests.made_of import made_of
@@ -38,6 +39,11 @@ _TEACH = ("errors.py", "formats.py", "frontend", "host", "lang", "machine")
 _UNUSED_S = 14 * 24 * 3600
 """Entries that nobody asked for as long are thrown away."""
 _HOME = "<the folder of a kernel that a test wrote>"
+
+
+_INTEGERS = [getattr(types, f"{sign}int{bits}") for sign in ("", "u") for bits in (8, 16, 32, 64)]
+_WORDS = {str(t): t for t in (types.none, types.boolean, types.float32, *_INTEGERS)}
+"""Types of what a kernel returns as a word, by numba's name."""
 
 
 class Kept:
@@ -81,13 +87,13 @@ class Kept:
         if kept is not None:
             facts = json.loads(kept)
             texts = tuple(text.replace(place, home) for text in facts["texts"])
-            return NumbaModule(texts, facts["symbol"], facts["return"])
+            return NumbaModule(texts, facts["symbol"], _WORDS[facts["return"]])
         with warnings.catch_warnings(record=True) as told:
             made = numba_module(py_func, args, return_type)
         _tell(told)
-        if key and not told:
+        if key and not told and str(made.returned) in _WORDS:
             texts = [text.replace(home, place) for text in made.texts]
-            facts = {"texts": texts, "symbol": made.symbol, "return": made.return_type}
+            facts = {"texts": texts, "symbol": made.symbol, "return": str(made.returned)}
             self.write(key, json.dumps(facts).encode())
         return made
 

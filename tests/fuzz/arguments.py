@@ -79,10 +79,26 @@ def compare(
 ) -> None:
     """Demands equality, bit for bit but for what a NaN holds; those in `rough` may differ a bit."""
     for number, (one, other) in enumerate(zip(found, expected, strict=True)):
-        first, second = np.asarray(one), np.asarray(other)
-        same = _near(first, second) if number in rough else _same(first, second)
-        if not same:
-            raise Difference(f"{what}: value {number} is {first.tolist()}, not {second.tolist()}")
+        if not _are_same(one, other, number in rough):
+            raise Difference(f"{what}: value {number} is {_told(one)}, not {_told(other)}")
+
+
+def _are_same(one: object, other: object, is_rough: bool) -> bool:
+    if isinstance(one, tuple) or isinstance(other, tuple):
+        alike = isinstance(one, tuple) and isinstance(other, tuple) and len(one) == len(other)
+        return alike and all(_are_same(a, b, is_rough) for a, b in zip(one, other, strict=True))
+    if one is None or other is None:
+        return one is other
+    first, second = np.asarray(one), np.asarray(other)
+    if isinstance(other, np.ndarray) and first.dtype != second.dtype:
+        return False
+    return _near(first, second) if is_rough else _same(first, second)
+
+
+def _told(value: object) -> object:
+    if isinstance(value, tuple):
+        return tuple(map(_told, value))
+    return None if value is None else np.asarray(value).tolist()
 
 
 def _near(first: np.ndarray, second: np.ndarray) -> bool:

@@ -10,6 +10,7 @@ from random import Random
 from tests.fuzz.aggregates import AGGREGATES, METHODS
 from tests.fuzz.constants import Constant, random_constant
 from tests.fuzz.places import Array, Places
+from tests.fuzz.returned import returned
 from tests.fuzz.statements import Program
 
 DTYPES = (
@@ -101,9 +102,18 @@ def random_source(seed: int) -> str:
         inexact={"g"},
     )
     _with_arrays(program)
-    return _module(program, params, constants, _body(program))
+    body = _body(program)
+    other = Random(-seed)  # the programs of before stay as they were
+    if body.count("return ") == 1 and other.random() < _RETURNING:
+        arrays = [a for a in (*params, *own) if a.name != "g" and _uses(body, a.name)]
+        head, result = body.rsplit("    return ", 1)
+        body = head + returned(other, arrays, result.strip())
+        program.returns = ""
+    return _module(program, params, constants, body)
 
 
+_RETURNING = 0.2
+"""Share of the programs that return arrays and tuples."""
 OFTEN = 0.5
 """Where so many statements are about whole arrays, loops are fewer: the program stays small."""
 
@@ -140,7 +150,7 @@ def _module(program: Program, params: list[Array], constants: list[Constant], bo
     types = [f"{a.dtype}[{':, ' * (len(a.dims) - 1)}::1]" for a in used]
     types += [SCALARS[name] for name in scalars]
     parameters = ", ".join([a.name for a in used] + scalars)
-    signature = f"{program.returns}({', '.join(types)})"
+    signature = f"{program.returns}({', '.join(types)}{',' if not program.returns else ''})"
     tables = TABLES | {constant.array.name: constant.text for constant in constants}
     head = "".join(f"{k} = {v}\n" for k, v in tables.items() if _uses(body, k))
     called = [name for name in HELPERS if _uses(body, name)]

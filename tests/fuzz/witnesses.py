@@ -30,7 +30,7 @@ from vividc.dfg.pipeline import optimize_kernel
 from vividc.dfg.regions import Kernel
 from vividc.errors import KernelError, MappingFailed, TimeLimit, VividcWarning
 from vividc.frontend import KernelFunction
-from vividc.machine.params import DType
+from vividc.machine.params import DType, given
 from vividc.program import Program, encode
 from vividc.ssa.flow import find_loops
 from vividc.ssa.ir import Function
@@ -91,7 +91,7 @@ def run_regions(lowered: Kernel, args: list[object]) -> object:
     memory = bytearray()
     inputs: dict[str, int] = {}
     places: list[tuple[int, np.ndarray]] = []
-    for param, value in zip(lowered.params, args, strict=True):
+    for param, value in zip(given(lowered.params), args, strict=True):
         if isinstance(value, np.ndarray):
             inputs[f"&{param.name}"] = len(memory)
             inputs |= {f"{param.name}.shape{k}": n for k, n in enumerate(value.shape)}
@@ -101,6 +101,12 @@ def run_regions(lowered: Kernel, args: list[object]) -> object:
             assert isinstance(value, np.generic)
             word = int.from_bytes(value.tobytes(), "little")  # less than a word: zeros above
             inputs |= {param.name: word & 2**32 - 1, f"{param.name}.high": word >> 32}
+    made: dict[str, np.ndarray] = {}
+    for param in (param for param in lowered.params if param.made):
+        made[param.name] = np.zeros(param.words_at(inputs), param.dtype.value)
+        inputs[f"&{param.name}"] = len(memory)
+        places.append((len(memory), made[param.name]))
+        memory += made[param.name].tobytes()
     for local in (declared.at_launch(inputs) for declared in lowered.locals):
         inputs[f"&{local.name}"] = len(memory)
         words = local.contents or (0xA5A5A5A5,) * local.words
@@ -111,6 +117,9 @@ def run_regions(lowered: Kernel, args: list[object]) -> object:
     for start, array in places:
         raw = np.frombuffer(bytes(memory[start : start + array.nbytes]), array.dtype)
         array[...] = raw.reshape(array.shape)
+    if lowered.results is not None:
+        named = {p.name: a for p, a in zip(given(lowered.params), args, strict=True) if p.ndim}
+        return deepcopy(lowered.results.value(named | made, inputs))
     return _returned(lowered.returns, result.value or 0)
 
 

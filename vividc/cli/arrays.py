@@ -16,6 +16,7 @@ from vividc.host.files import write_whole
 from vividc.host.inputs import ARGUMENT_BYTES
 from vividc.host.npz import Header, opened_npz
 from vividc.machine.params import DType, Param
+from vividc.ssa.results import named_leaves
 
 Array = NDArray[Any]
 RETURN_KEY = "return"
@@ -39,10 +40,11 @@ def read_arguments(path: Path, params: Sequence[Param]) -> dict[str, Array]:
 
 
 def write_results(path: Path, arguments: Mapping[str, Array], value: object) -> None:
-    """Write the arrays after the run, and a returned scalar as `return`."""
+    """Write the arrays after the run, and what was returned as `return`, the parts of a tuple as
+    `return0`, `return1`, and so on.
+    """
     arrays = {name: array for name, array in arguments.items() if array.ndim > 0}
-    if value is not None:
-        arrays[RETURN_KEY] = np.asarray(value)
+    arrays |= named_leaves(value, RETURN_KEY)
     write_whole(path, _npz(arrays))
 
 

@@ -19,7 +19,7 @@ from vividc.cli.say import say
 from vividc.errors import ArgumentError, printable, quoted
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.host.compiled_files import is_noted
-from vividc.machine.params import Param
+from vividc.machine.params import Param, given
 from vividc.program import Program
 
 _LONGEST: Final = 200
@@ -73,8 +73,9 @@ def find_kernel(program: Program, bundle: Path, spec: str | None) -> AnyKernel:
     else:
         say(f"vividc: --check runs {os.path.abspath(kernel_file(spec))}", err=True)
         kernel = load_kernel(spec)
-    if _of_any_size(kernel.params) != _of_any_size(program.params):
-        expected = ", ".join(describe(param) for param in program.params)
+    params = given(program.params)
+    if _of_any_size(kernel.params) != _of_any_size(params):
+        expected = ", ".join(describe(param) for param in params)
         reason = f"`{kernel.name}` in {kernel.file} does not have the program's parameters"
         raise ArgumentError(reason, loc="--check", hint=f"expected: {expected}")
     return kernel
@@ -105,10 +106,18 @@ def mismatches(
     simulated: Mapping[str, Array], reference: Mapping[str, Array], tolerance: Tolerance
 ) -> list[Mismatch]:
     """Arrays that differ, in the order of `simulated`."""
-    compared = (
-        _mismatch(name, array, reference[name], tolerance) for name, array in simulated.items()
-    )
-    return [item for item in compared if item is not None]
+    found = []
+    for name in dict.fromkeys([*simulated, *reference]):
+        one, other = simulated.get(name), reference.get(name)
+        if one is None or other is None or one.shape != other.shape:
+            found.append(Mismatch(name, (), _shape(one), _shape(other), 1))
+        elif (item := _mismatch(name, one, other, tolerance)) is not None:
+            found.append(item)
+    return found
+
+
+def _shape(array: Array | None) -> str:
+    return "None" if array is None else f"an array of shape {array.shape}"
 
 
 def _mismatch(name: str, found: Array, expected: Array, tolerance: Tolerance) -> Mismatch | None:

@@ -60,7 +60,7 @@ class JitFunction:
         times = len(self.programs)
         return f"<vividc.jit {self.name}: compiled for {times} signature{'s' * (times != 1)}>"
 
-    def __call__(self, *args: object, **kwargs: object) -> int | float | bool | None:
+    def __call__(self, *args: object, **kwargs: object) -> Any:
         """Run on the simulated array; arrays are updated in place.
 
         Raises

@@ -10,6 +10,7 @@ from typing import Literal
 from vividc.dfg.ir import DFG
 from vividc.errors import SourceLoc
 from vividc.machine.params import HIGH_SUFFIX, DType, LocalArray, Param
+from vividc.ssa.results import Results
 
 RETURN_VARIABLE = "%return"
 RETURN_HIGH = RETURN_VARIABLE + HIGH_SUFFIX
@@ -52,7 +53,8 @@ class Kernel:
     again. A returned scalar is the variable `RETURN_VARIABLE` when the program ends, and an integer
     of 64 bits that one word may not hold has its high word in `RETURN_HIGH`. Within a region, every
     read of a variable sees the word from before the region (a straight region's writes take effect
-    after its reads; a loop never reads a variable that it writes). `spaced`: as of `ssa.Function`.
+    after its reads; a loop never reads a variable that it writes). `spaced`, `results`: as of
+    `ssa.Function`.
     """
 
     name: str
@@ -62,6 +64,7 @@ class Kernel:
     file: str = ""
     locals: tuple[LocalArray, ...] = ()
     spaced: frozenset[str] = frozenset()
+    results: Results | None = None
 
 
 def is_variable(name: str) -> bool:

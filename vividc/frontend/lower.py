@@ -21,6 +21,7 @@ from vividc.frontend.narrow.in_words import in_words
 from vividc.frontend.narrow.narrow import narrow
 from vividc.frontend.numba.entry import optimised_ir
 from vividc.frontend.numba.length import refuse_long, refuse_long_code
+from vividc.frontend.numba.returned import parts_of
 from vividc.frontend.numba.target import NumbaModule, numba_module
 from vividc.frontend.refused.diagnose import behind, construct_at, diagnose, returned_at
 from vividc.frontend.stages import SIMPLIFYING, TIDYING, without_pointers
@@ -96,18 +97,26 @@ def lower(
         to an integer saturates at 32 bits.
     """
     module = _typed(py_func, args, return_type, loc)
-    if module.return_type not in _RETURNS:
-        if "generator(" in module.return_type:
-            raise construct_at(loc, py_func.__name__) or KernelError("a generator", loc=loc)
-        hint = "return one float32, bool or integer, or store results into an array"
-        place = returned_at(loc, py_func.__name__)
-        kind = plain(module.return_type)
-        what = "a string" if kind.startswith("'") else kind
-        raise KernelError(f"the kernel returns {what}", loc=place, hint=hint)
+    kind = str(module.returned)
+    parts = None if kind in _RETURNS else parts_of(module.returned)
+    if kind not in _RETURNS and parts is None:
+        raise _no_result(kind, py_func.__name__, loc)
     with _in_python(loc, py_func.__name__), located(loc):
         kernel, params = _read(module, params, loc, words_at)
-        returns = _RETURNS[module.return_type]
+        if parts is not None and kernel.results is not None:
+            kernel = replace(kernel, results=replace(kernel.results, form=parts.form))
+        returns = _RETURNS.get(kind)
         return lower_words(kernel, name, params, returns, loc, strict_fp=strict_fp)
+
+
+def _no_result(kind: str, name: str, loc: SourceLoc) -> KernelError:
+    """The error of what no kernel returns, by numba's name of its type."""
+    if "generator(" in kind:
+        return construct_at(loc, name) or KernelError("a generator", loc=loc)
+    hint = "return float32, bool, integers, arrays or tuples of them, or store into an array"
+    kind = plain(kind)
+    what = "a string" if kind.startswith("'") else kind
+    return KernelError(f"the kernel returns {what}", loc=returned_at(loc, name), hint=hint)
 
 
 def _read(
@@ -133,6 +142,7 @@ def counting_parameters(kernel: Function, params: tuple[Param, ...]) -> frozense
     if all(param.words == 1 or param.known for param in params):
         return frozenset()
     with aside():
+        params = (*params, *kernel.params)
         return word_parameters(run_passes(SIMPLIFYING, replace(kernel, params=params)))
 
 
@@ -181,6 +191,7 @@ def lower_words(
     worded
         Puts advice in the words of the kernel's language.
     """
+    params = (*params, *kernel.params)  # of the kernel itself those are that it makes
     function = replace(kernel, name=name, params=params, returns=returns, file=file or loc.file)
     with located(loc):
         function = run_passes(SIMPLIFYING, function)

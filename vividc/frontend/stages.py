@@ -17,6 +17,8 @@ from vividc.frontend.memory.local_arrays import OwnArray, keep_accessed, own_arr
 from vividc.frontend.memory.null_choices import drop_null_choices
 from vividc.frontend.memory.overlap import fold_overlaps
 from vividc.frontend.memory.resolve import resolve_memory
+from vividc.frontend.memory.results import hold_results
+from vividc.frontend.memory.split_returns import split_returns
 from vividc.frontend.memory.subword import extend_loads, store_low_bits
 from vividc.frontend.memory.traps import trap_raises
 from vividc.frontend.narrow.floor_division import recover_divisions, sign_quotients
@@ -102,6 +104,12 @@ def resolve(given: Pointers) -> Pointers:
     return replace(given, function=resolve_memory(given.function, given.arrays))
 
 
+def hold(given: Pointers) -> Pointers:
+    """Describe the arrays and tuples that the kernel returns."""
+    held = hold_results(given.function, given.arrays)
+    return replace(given, function=held.function, arrays=held.arrays)
+
+
 def trap(given: Pointers) -> Pointers:
     """Make accesses that the simulator reports of exceptions that numba's functions raise."""
     function, traps = trap_raises(given.function)
@@ -112,11 +120,13 @@ RESOLVING: Final[tuple[Callable[[Pointers], Pointers], ...]] = (
     _on_function(remove_unreachable_blocks),
     _on_function(recover_divisions),
     _on_function(fold_overlaps),
+    _on_function(split_returns),
     find_arrays,
     _on_function(refuse_endless),
     _on_function(drop_null_choices),
     resolve,
     trap,
+    hold,
 )
 """From pointers to accesses of arrays. Memory first: the stages behind know no pointers."""
 STRAIGHTENING: Final[tuple[Callable[[Function], Function], ...]] = (

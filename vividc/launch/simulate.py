@@ -6,6 +6,7 @@ from collections.abc import Mapping as ReadOnly
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import accumulate
+from typing import Any
 
 from vividc.arch import Accelerator
 from vividc.host.html import table
@@ -28,7 +29,7 @@ class JobResult:
     cycles
         From the first cycle to the end of the last step.
     value
-        What a spread kernel returns; None for a graph made by hand.
+        What a kernel returns, as of `sim.Result`; None for a graph made by hand.
     values
         What each run returned, by step number; `words`: the same as words.
     stats
@@ -38,7 +39,7 @@ class JobResult:
     """
 
     cycles: int
-    value: int | float | bool | None
+    value: Any
     values: ReadOnly[int, int | float | bool | None]
     words: ReadOnly[int, int]
     stats: JobStats

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -76,6 +76,11 @@ WIDE_DTYPES = frozenset({DType.I64, DType.U64})
 """Scalars of two words, if their values need them."""
 
 
+Formula = tuple[str | int, ...]
+"""A number that the launch decides, in postfix form: integers, input keys behind "s:" (signed) or
+"u:" (unsigned), and the operators "+", "*", "//", "max" and "min"."""
+
+
 @dataclass(frozen=True, slots=True)
 class Param:
     """One parameter of the kernel's function. `ndim` 0: a scalar.
@@ -87,6 +92,8 @@ class Param:
     as along the others.
     `known`: the only shape that the array may have, or the only value of the scalar (the launch
     checks it); (): any.
+    `made`: the formula of the words of an array that no caller gives: the kernel returns it, and
+    the launch makes it, of zeros; (): any other.
     """
 
     name: str
@@ -96,6 +103,7 @@ class Param:
     words: int = 1
     longest: int = field(default=0, compare=False)
     known: tuple[int, ...] = ()
+    made: Formula = ()
 
     @property
     def max_dimension(self) -> int:
@@ -114,6 +122,10 @@ class Param:
         """The most elements along a dimension, the first of which may be cut at launch."""
         return self.longest if self.longest and axis == 0 else self.max_dimension
 
+    def words_at(self, inputs: Mapping[str, int]) -> int:
+        """Words of an array that the launch makes."""
+        return max(evaluate_formula(self.made, inputs), 0)
+
     @property
     def known_words(self) -> dict[str, int]:
         """The launch words that are known, by key."""
@@ -129,6 +141,11 @@ class Param:
         if self.words == 1:
             return {self.name: low}
         return {self.name: low, self.name + HIGH_SUFFIX: value >> WORD_BITS & WORD_MASK}
+
+
+def given(params: Iterable[Param]) -> tuple[Param, ...]:
+    """The parameters that a caller gives arguments for."""
+    return tuple(param for param in params if not param.made)
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,11 +174,6 @@ class LocalArray:
         return LocalArray(self.name, words, self.contents, loops=self.loops)
 
 
-Formula = tuple[str | int, ...]
-"""A number that the launch decides, in postfix form: integers, input keys behind "s:" (signed) or
-"u:" (unsigned), and the operators "+", "*", "//", "max" and "min"."""
-
-
 def evaluate_formula(formula: Formula, inputs: Mapping[str, int]) -> int:
     """The formula's value for a launch.
 
@@ -180,6 +192,24 @@ def evaluate_formula(formula: Formula, inputs: Mapping[str, int]) -> int:
         else:
             stack.append(_input_value(item[2:], inputs, signed=item.startswith("s:")))
     return stack.pop()
+
+
+def is_formula(formula: Formula, keys: Container[str]) -> bool:
+    """Whether it is one, of these inputs, whose value exists for all launches."""
+    depth = 0
+    for number, item in enumerate(formula):
+        if isinstance(item, int):
+            depth += 1
+        elif item in _FORMULA_OPERATORS:
+            divides = item == "//" and formula[number - 1] in (0, *_FORMULA_OPERATORS)
+            if depth < 2 or divides:  # noqa: PLR2004 - two operands
+                return False
+            depth -= 1
+        elif item[:2] in ("s:", "u:") and item[2:] in keys:
+            depth += 1
+        else:
+            return False
+    return depth == 1
 
 
 def _input_value(key: str, inputs: Mapping[str, int], *, signed: bool) -> int:

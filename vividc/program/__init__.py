@@ -1,8 +1,9 @@
 """Configuration words, region table, memory layout: one versioned bundle.
 
 In order: `memory` (where arrays lie), `design` (graphs and mappings as text), `tables` (regions,
-launch, reports), `program`, `bundle` (the `.vivid` file), `kept` (in the cache); `words/` (the
-configuration word), `encoder/` (from mappings to words), `disasm`.
+launch, reports), `bundle` (the `.vivid` file), `program`, `faults` (contradictions in one) and
+`reading`, `kept` (in the cache); `words/` (the configuration word), `encoder/` (from mappings to
+words), `disasm`.
 """
 
 from vividc.machine.params import HIGH_SUFFIX, MAX_DIMENSION, DType, LocalArray, Param, joined
@@ -10,7 +11,8 @@ from vividc.machine.words import WORD_BYTES
 from vividc.program.disasm import disassemble
 from vividc.program.encoder.encode import encode
 from vividc.program.memory import pitch_words, pitches_of, place_arrays, trapped
-from vividc.program.program import CUT_SHORT, Program, from_bytes, load
+from vividc.program.program import CUT_SHORT, Program
+from vividc.program.reading import from_bytes, load
 from vividc.program.tables import (
     BoundReport,
     DebugRow,

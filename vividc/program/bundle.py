@@ -37,6 +37,7 @@ from vividc.program.tables import (
     RegionReport,
     RegionRow,
 )
+from vividc.ssa.results import Results
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 T = TypeVar("T")
@@ -50,6 +51,8 @@ check them.
 """
 NESTED: Final = "vividc.program/4"
 """Of a program that has the nests of its kernel as well: a reader of before would not know them."""
+RETURNING: Final = "vividc.program/5"
+"""Of a program that returns arrays or tuples: a reader of before would ask for them."""
 _MANIFEST: Final = "program.json"
 _ARRAYS: Final = ("words", "images", "images_set")
 _EPOCH: Final = (1980, 1, 1, 0, 0, 0)
@@ -98,6 +101,7 @@ class Manifest:
     nests: int = 0
     order: Order | None = None
     accelerator: str = ""
+    results: Results | None = None
 
 
 _ADAPTER: Final = TypeAdapter(Manifest)
@@ -154,9 +158,9 @@ class BundleReader:
         text = self._member(_MANIFEST)
         demand_few_values(text, BUNDLE_BYTES, self.path, BundleError)
         schema = _schema(text)
-        if schema not in (SCHEMA, SIZED, NESTED):
+        if schema not in (SCHEMA, SIZED, NESTED, RETURNING):
             raise BundleError(
-                f"schema {quoted(schema)}, and this version reads {SCHEMA!r} to {NESTED!r}",
+                f"schema {quoted(schema)}, and this version reads {SCHEMA!r} to {RETURNING!r}",
                 hint="compile the kernel again with this version",
             )
         return _ADAPTER.validate_json(text, strict=True)

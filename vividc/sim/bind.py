@@ -14,7 +14,7 @@ from numpy.lib.stride_tricks import as_strided
 from numpy.typing import NDArray
 
 from vividc.errors import ArgumentError
-from vividc.machine.params import sizes_text
+from vividc.machine.params import MAX_ELEMENTS, given, sizes_text
 from vividc.machine.words import WORD_BITS
 from vividc.program import (
     WORD_BYTES,
@@ -143,7 +143,7 @@ def arguments(
     values = named(program, args, kwargs)
     arrays: dict[str, Array] = {}
     inputs: dict[str, int] = {}
-    for param in program.params:
+    for param in given(program.params):
         if param.ndim:
             array = _array(program, param, values[param.name])
             arrays[param.name] = array
@@ -151,11 +151,27 @@ def arguments(
                 inputs.update({f"{param.name}.shape{k}": n for k, n in enumerate(array.shape)})
         else:
             inputs.update(_scalar_words(param, values[param.name]))
+    for param in program.params:
+        if param.made:
+            arrays[param.name] = _made(param, inputs, values)
     _refuse_overlap(arrays, program.stored_arrays)
     refuse_other_sizes(program, inputs)
     if program.parallel is not None:
         inputs |= whole_loop(program.parallel, inputs)
     return arrays, inputs
+
+
+def _made(param: Param, inputs: Mapping[str, int], values: Mapping[str, object]) -> Array:
+    """An array that the kernel returns; one of a launch before, if it is among the values."""
+    words = param.words_at(inputs)
+    before = values.get(param.name)
+    if before is None:
+        if words > MAX_ELEMENTS:
+            raise ArgumentError(f"the kernel would return an array of {words:,} words")
+        return np.zeros(words, np.dtype(param.dtype.value))
+    if not isinstance(before, np.ndarray) or before.shape != (words,):
+        raise ArgumentError(f"{param.name} is no argument: the launch makes it")
+    return before
 
 
 def refuse_other_sizes(program: Program, inputs: Mapping[str, int]) -> None:
@@ -242,13 +258,14 @@ def named(
     ArgumentError
         Some are missing, unknown, or given twice.
     """
-    names = [param.name for param in program.params]
+    names = [param.name for param in given(program.params)]
+    made = {param.name for param in program.params if param.made}
     signature = f"{program.name}({', '.join(names)})"
     if len(args) > len(names):
         raise ArgumentError(f"{signature} takes {len(names)} arguments, not {len(args)}")
     values = dict(zip(names, args, strict=False))
     for name, value in kwargs.items():
-        if name not in names:
+        if name not in names and name not in made:
             raise ArgumentError(f"{signature} has no parameter {name!r}")
         if name in values:
             raise ArgumentError(f"{signature} got {name!r} twice")

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
 from vividc.errors import ArgumentError, demand_callable, demand_type, quoted
 from vividc.host.html import table
 from vividc.program import Program
-from vividc.sim.bind import bind, returned
+from vividc.sim.bind import Array, bind, returned
 from vividc.sim.engine import Launch, Observer, Progress
 from vividc.sim.stats import Stats, statistics
 from vividc.sim.tile import AUTO, Tile
@@ -27,22 +28,37 @@ class Result:
     cycles
         Cycles of the tile, stalls and region switches included.
     value
-        The returned scalar, None if the kernel returns nothing.
+        What the kernel returned: a scalar, an array, or a tuple of them; None if it returns
+        nothing. A returned array that an argument holds is a view of that.
     stats
         Where the cycles went and what was active.
     """
 
     cycles: int
-    value: int | float | bool | None
+    value: Any
     stats: Stats
 
     def __repr__(self) -> str:
-        value = "" if self.value is None else f", value {self.value!r}"
+        value = "" if self.value is None else f", value {shown(self.value)}"
         busy = f"{self.stats['utilization']:.0%} of the PEs' cycles used"
         return f"<Result: {self.cycles} cycles{value}, {busy}>"
 
     def _repr_html_(self) -> str:
         return _of_regions(self)
+
+
+def shown(value: object) -> str:
+    """A returned value in a line: of an array its type and shape."""
+    if isinstance(value, np.ndarray):
+        return f"{value.dtype}{list(value.shape)}"
+    if isinstance(value, tuple):
+        return f"({', '.join(map(shown, value))})"
+    return repr(value)
+
+
+def returned_value(program: Program, arrays: Mapping[str, Array], inputs: Mapping[str, int]) -> Any:
+    """The arrays or tuple that a launch has returned, from its arrays afterwards."""
+    return None if program.results is None else program.results.value(arrays, inputs)
 
 
 def _of_regions(result: Result) -> str:
@@ -113,7 +129,7 @@ def simulate(
     launch = Launch(bound.memory, bound.inputs, cycle_limit, bound.extents, progress, observer)
     run = tile.run(launch)
     bound.copy_back(run.memory, program.stored_arrays)
-    value = None
+    value = returned_value(program, bound.arrays, bound.inputs)
     if program.returns is not None and run.value is not None:
         value = returned(program.returns, run.value)
     return Result(run.cycles, value, statistics(program, run))

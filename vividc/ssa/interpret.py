@@ -14,7 +14,7 @@ import numpy as np
 
 from vividc.errors import SSAError
 from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
-from vividc.machine.params import WIDE_DTYPES, DType, Param
+from vividc.machine.params import WIDE_DTYPES, DType, Param, given
 from vividc.machine.semantics import evaluate
 from vividc.machine.words import WORD_MASK, float_of, word_of
 from vividc.ssa.ir import (
@@ -43,14 +43,15 @@ def interpret(function: Function, *args: object, max_blocks: int = _MOST_BLOCKS)
     Parameters
     ----------
     args
-        One for each of `function.params`: numpy arrays of its dtype, which are updated in place, or
-        numbers.
+        One for each of `function.params` that a caller gives: numpy arrays of its dtype, which are
+        updated in place, or numbers.
     max_blocks
         Blocks to run at most.
 
     Returns
     -------
-    The number returned, as of `function.returns`; None if there is none.
+    The number returned, as of `function.returns`, or the arrays and tuples of `function.results`;
+    None if there is none.
 
     Raises
     ------
@@ -69,11 +70,13 @@ class _Machine(ABC, Generic[_V]):
         self.function = function
         self.values: dict[Key, _V] = {}
         self._memory: dict[str, np.ndarray] = {}
+        self._arrays: dict[str, np.ndarray] = {}
         self._shapes: dict[str, tuple[int, ...]] = {}
         words: dict[str, int] = {}
-        for param, value in zip(function.params, args, strict=True):
+        for param, value in zip(given(function.params), args, strict=True):
             if isinstance(value, np.ndarray):
                 words |= {f"{param.name}.shape{n}": size for n, size in enumerate(value.shape)}
+                self._arrays[param.name] = value
                 self._memory[param.name] = value.reshape(-1).view(np.uint8)
                 self._shapes[param.name] = value.shape
                 for axis, size in enumerate(value.shape):
@@ -83,6 +86,11 @@ class _Machine(ABC, Generic[_V]):
             else:
                 words |= param.words_of(int(value)) if isinstance(value, int | np.integer) else {}
                 self.bind(param, value)
+        for param in (param for param in function.params if param.made):
+            self._arrays[param.name] = np.zeros(param.words_at(words), param.dtype.value)
+            self._memory[param.name] = self._arrays[param.name].view(np.uint8)
+            self.values[f"&{param.name}"] = self.number(0)
+        self._inputs = words
         for local in (local.at_launch(words) for local in function.locals):
             self._memory[local.name] = np.zeros(4 * local.words, np.uint8)
             self.values[f"&{local.name}"] = self.number(0)
@@ -117,6 +125,8 @@ class _Machine(ABC, Generic[_V]):
             self._execute(block, previous)
             previous, branch = name, block.branch
             if branch.target is None:
+                if self.function.results is not None:
+                    return self.function.results.value(self._arrays, self._inputs)
                 if branch.value is None or self.function.returns is None:
                     return None
                 return self.result(branch.value, branch.high, self.function.returns)

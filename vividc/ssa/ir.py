@@ -22,6 +22,7 @@ from vividc.machine.params import (
     LocalArray,
     Param,
 )
+from vividc.ssa.results import Results
 
 Kind = Type | str
 """The type of a value: a word's, or of LLVM's by its name."""
@@ -332,6 +333,8 @@ class Function:
         like the loops around them.
     locals
         The kernel's own arrays.
+    results
+        What it returns besides a word.
     inputs
         LLVM's: key and type of each parameter.
     result
@@ -351,6 +354,7 @@ class Function:
     inputs: tuple[tuple[str, str], ...] = ()
     result: str = ""
     spaced: frozenset[str] = frozenset()
+    results: Results | None = None
 
     @property
     def is_llvm(self) -> bool:

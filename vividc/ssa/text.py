@@ -78,6 +78,8 @@ def to_text(function: Function) -> str:
     lines += [f"input {json.dumps(key)} {_name(kind)}" for key, kind in function.inputs]
     lines += [_param(param) for param in function.params]
     lines += [_local(local) for local in function.locals]
+    if function.results is not None:
+        lines.append(f"results {json.dumps(function.results.to_text())}")
     for block in function.blocks:
         lines += _block(block)
     return "\n".join(lines) + "\n"
@@ -108,6 +110,8 @@ def _param(param: Param) -> str:
         parts.append(f"longest {param.longest}")
     if param.known:
         parts.append(f"known [{', '.join(map(str, param.known))}]")
+    if param.made:
+        parts.append(" ".join(("made", *map(json.dumps, param.made))))
     return " ".join(parts)
 
 

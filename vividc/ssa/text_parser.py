@@ -31,6 +31,7 @@ from vividc.ssa.ir import (
     Undefined,
     Value,
 )
+from vividc.ssa.results import Results
 
 PLAIN: Final = re.compile(r"[A-Za-z_][\w.]*")
 """A block's name that needs no quotes."""
@@ -161,6 +162,7 @@ class _Reader:
         self._inputs: list[tuple[str, str]] = []
         self._params: list[Param] = []
         self._locals: list[LocalArray] = []
+        self._results: Results | None = None
         self._blocks: list[Block] = []
         self._name: str | None = None
         self._phis: list[Phi] = []
@@ -177,6 +179,8 @@ class _Reader:
             self._params.append(_param(line))
         elif self._name is None and not self._blocks and line.accept("word", "local"):
             self._locals.append(_local(line))
+        elif self._name is None and not self._blocks and line.accept("word", "results"):
+            self._results = _results(line)
         elif self._name is None:
             self._name = line.name()
             line.expect("mark", ":")
@@ -213,6 +217,7 @@ class _Reader:
             params=params,
             blocks=blocks,
             locals=tuple(self._locals),
+            results=self._results,
             inputs=tuple(self._inputs),
             **self._header,
         )
@@ -251,7 +256,11 @@ def _param(line: _Line) -> Param:
     known = line.listed(line.integer) if line.accept("word", "known") else ()
     if known and len(known) != (ndim or 1):
         line.fail(f"{len(known)} known numbers, where {ndim or 1} are possible")
-    return Param(name, dtype, ndim, flat, words, longest, known)
+    made: list[str | int] = []
+    if line.accept("word", "made"):
+        while not line.ended:
+            made.append(_formula_part(line))
+    return Param(name, dtype, ndim, flat, words, longest, known, tuple(made))
 
 
 def _local(line: _Line) -> LocalArray:
@@ -270,6 +279,16 @@ def _local(line: _Line) -> LocalArray:
     while has_loops and not line.ended:
         loops.append(_place(line))
     return LocalArray(name, words, contents, tuple(size), tuple(loops))
+
+
+def _results(line: _Line) -> Results:
+    try:
+        found = Results.from_text(line.text())
+    except (ValueError, TypeError, KeyError, AttributeError):
+        line.fail("no description of results")
+    if not found.is_sound:
+        line.fail("the form of the results is none of their leaves")
+    return found
 
 
 def _formula_part(line: _Line) -> str | int:

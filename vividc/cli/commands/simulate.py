@@ -27,9 +27,11 @@ from vividc.cli.reports.report import percent, print_json, print_table, progress
 from vividc.cli.reports.views import Views, view_options
 from vividc.gemm.kernels.choice import accelerator_of
 from vividc.launch import JobResult
+from vividc.machine.params import given
 from vividc.program import CUT_SHORT, Program
 from vividc.sim import AUTO, CYCLE_LIMIT, ENGINES, Result
-from vividc.sim.run import simulate
+from vividc.sim.run import shown, simulate
+from vividc.ssa.results import named_leaves
 
 SCHEMA = "vividc.simulate/1"
 MISMATCH: Final = 5
@@ -48,7 +50,8 @@ MISMATCH: Final = 5
     "--outputs",
     type=options.FILE,
     metavar="OUT.npz",
-    help="Write the arrays after the run, and the returned value as `return`.",
+    help="Write the arrays after the run, and the returned value as `return`, parts of a tuple as "
+    "`return0`, `return1`, and so on.",
 )
 @click.option(
     "--check",
@@ -109,17 +112,17 @@ def command(
     _refuse_nonsense(source, check, fabric, views)
     _check_outputs(outputs, views, (program, inputs))
     loaded = vividc.load(program)
-    arguments = read_arguments(inputs, loaded.params)
+    arguments = read_arguments(inputs, given(loaded.params))
     host = find_kernel(loaded, program, source) if check else None
     # The run changes the arguments in place, and the host needs them as they were.
-    given = {name: array.copy() for name, array in arguments.items()}
+    copies = {name: array.copy() for name, array in arguments.items()}
     machine = _machine_of(loaded, fabric, views)
     job = None
     if machine is not None:
         job = _simulate_job(loaded, arguments, cycle_limit, engine, machine)
     result = _simulate(loaded, arguments, cycle_limit, engine, views) if job is None else job
     # Last: the host checks no index, and an access that the run refuses would destroy its memory.
-    expected = None if host is None else _with_value(*run_reference(host, given))
+    expected = None if host is None else _with_value(*run_reference(host, copies))
     if outputs is not None:
         write_results(outputs, arguments, result.value)
     views.write(loaded, result, machine)
@@ -180,7 +183,7 @@ def _print(
 def _simulate(
     program: Program, arguments: dict[str, Array], cycle_limit: int, engine: str, views: Views
 ) -> Result:
-    values = scalars_unpacked(arguments, program.params)
+    values = scalars_unpacked(arguments, given(program.params))
     views.record(program, values)
     observer = None if views.trace is None else views.timeline.add
     with cycle_progress(f"simulating {program.name}") as report:
@@ -201,7 +204,7 @@ def _simulate_job(
     engine: str,
     machine: Accelerator,
 ) -> JobResult:
-    values = scalars_unpacked(arguments, program.params)
+    values = scalars_unpacked(arguments, given(program.params))
     with progress(f"simulating {program.name} on {machine.name}"):
         return vividc.simulate(
             program, *values, fabric=machine, cycle_limit=cycle_limit, engine=engine
@@ -209,7 +212,7 @@ def _simulate_job(
 
 
 def _with_value(arguments: dict[str, Array], value: object) -> dict[str, Array]:
-    return arguments if value is None else {**arguments, RETURN_KEY: np.asarray(value)}
+    return {**arguments, **dict(named_leaves(value, RETURN_KEY))}
 
 
 def _compare(
@@ -235,11 +238,18 @@ def _as_object(
         "fabric": program.fabric_name,
         "stopped_by_clock": program.hurried,
         "cycles": result.cycles,
-        "value": result.value,
+        "value": _plain(result.value),
         "stats": result.stats,
         "check": {"passed": not wrong, "mismatches": wrong} if checked else None,
         "outputs": None if outputs is None else str(outputs),
     }
+
+
+def _plain(value: object) -> object:
+    """What JSON can hold."""
+    if isinstance(value, tuple):
+        return [_plain(item) for item in value]
+    return value.tolist() if isinstance(value, np.ndarray) else value
 
 
 def _print_regions(program: Program, result: Result) -> None:
@@ -273,7 +283,7 @@ def _print_outcome(
     wrong: list[Mismatch],
 ) -> None:
     if result.value is not None:
-        click.echo(f"value: {result.value}")
+        click.echo(f"value: {shown(result.value)}")
     if checked and not wrong:
         in_c = program.provenance.kernel_file.endswith(".ll")
         click.echo(f"check: agrees with {'LLVM on this computer' if in_c else 'numba'}")

@@ -71,6 +71,7 @@ def build_kernel(function: Function) -> Kernel:
         function.file,
         function.locals,
         function.spaced,
+        function.results,
     )
 
 

@@ -46,6 +46,16 @@ FLOOR_PREFIX = "vividc.floor "
 RAISE_PREFIX = "vividc.raise "
 
 
+RETURNED = "vividc.returned "
+"""Callees that are told a part of what the kernel returns: a leaf's number and its type; of an
+array the pointer, then shape and strides in bytes; of a scalar its value.
+"""
+
+
+RETURNED_ARRAY = " array"
+"""Ends the names of those that are told an array."""
+
+
 OVERLAP = "vividc.overlap"
 
 

@@ -1,6 +1,6 @@
 """Pointers become accesses of arrays.
 
 In order: `tables` (constants), `null_choices`, `unmerge`, `pick`, `overlap` (what LLVM made of
-choices and copies), `pointer_math`, `resolve` (an array and an index for each access), `flags`,
-`subword`, `local_arrays`, `traps`.
+choices and copies), `split_returns`, `pointer_math`, `resolve` (an array and an index for each
+access), `flags`, `subword`, `local_arrays`, `traps`, `results` (arrays that are returned).
 """

@@ -14,6 +14,7 @@ from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.advice import Advice
 from vividc.frontend.memory.local_arrays import OwnArray, as_words, in_words, wide_access
 from vividc.frontend.memory.pointer_math import compare_pointers, differences, without_freezes
+from vividc.frontend.memory.split_returns import is_returned_array
 from vividc.frontend.memory.unmerge import split_merged_loads
 from vividc.host import time_limit
 from vividc.ssa.edit import FreshIds
@@ -124,6 +125,8 @@ class _Resolver:
             )
         elif op.op == "alloca":
             raise KernelError("a local array or tuple", loc=op.loc, hint=_LOCAL_HINT)
+        elif is_returned_array(op):
+            yield self._returned(op)
         elif op.op == "icmp" and op.type == "ptr":
             yield compare_pointers(op, self._root, lambda p: self._bytes(p, op.loc))
         elif op.id in self._differences:
@@ -132,6 +135,12 @@ class _Resolver:
             raise KernelError("arithmetic on addresses", loc=op.loc, hint="use indices")
         else:
             yield op
+
+    def _returned(self, op: Instr) -> Instr:
+        """A returned array: which it is, and at which byte it begins."""
+        root = self._root(op.operands[0])
+        at = self._bytes(op.operands[0], op.loc) if root else Int(0)
+        return replace(op, array=root, operands=(at, *op.operands[1:]))
 
     def _access(self, op: Instr, pointer: Value) -> Iterator[Instr]:
         address = self._address(pointer, op.loc)

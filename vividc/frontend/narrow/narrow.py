@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.advice import Advice
-from vividc.frontend.llvm.calls import RAISE_PREFIX, hint_of_raise
+from vividc.frontend.llvm.calls import RAISE_PREFIX, RETURNED, hint_of_raise
 from vividc.frontend.narrow import (
     bits as narrow_bits,
 )
@@ -203,14 +203,15 @@ def refuse_calls(function: Function) -> None:
     """Refuse a kernel that calls what the array cannot run; a raise may yet prove unreachable."""
     for block in function.blocks:
         for op in block.instrs:
-            if op.op != "call" or _raises(op) or saturates_wide(op):
+            if op.op != "call" or _is_told(op) or saturates_wide(op):
                 continue
             if _call_rule(op) is None:
                 raise _refused(op)
 
 
-def _raises(op: Instr) -> bool:
-    return op.pred.startswith(RAISE_PREFIX)
+def _is_told(op: Instr) -> bool:
+    """A call that only tells of a raise, or of what is returned."""
+    return op.pred.startswith((RAISE_PREFIX, RETURNED))
 
 
 def _call(emitter: Emitter, op: Instr) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from vividc.errors import SourceLoc
 from vividc.frontend.llvm.calls import PITCH
 from vividc.frontend.llvm.passes import DATA_LAYOUT, ENTRY, linked_ir
+from vividc.frontend.numba.returned import parts_of
 from vividc.frontend.numba.target import NumbaModule
 from vividc.machine.params import WIDE_DTYPES, DType, Param
 
@@ -27,8 +28,7 @@ _SCALAR = {
 }
 
 
-# Returned types that no kernel can have are read all the same: the error then names the line.
-_RETURN = {"float32": "float", "float64": "double", "int32": "i32", "uint32": "i32", "bool": "i8"}
+_RETURN = {"float32": "float", "int32": "i32", "uint32": "i32", "bool": "i8"}
 _RETURN |= {"int64": "i64", "uint64": "i64"}
 _RETURN |= {"int16": "i16", "uint16": "i16", "int8": "i8", "uint8": "i8"}
 
@@ -64,22 +64,24 @@ def _entry_text(module: NumbaModule, params: tuple[Param, ...], loc: SourceLoc) 
     for param in params:
         array = param.ndim > 0
         (_array_argument if array else _scalar_argument)(param, inputs, body, arguments)
-    returned = _RETURN.get(module.return_type, "ptr")
+    name = str(module.returned)
+    parts = parts_of(module.returned) if name not in _RETURN else None
+    returned = _RETURN[name] if parts is None else parts.type_text
     types = ", ".join(["ptr", *(argument.split(" ")[0] for argument in arguments)])
     call = ", ".join(["ptr %..ret", *arguments])
     file = loc.file.replace("\\", "\\5C").replace('"', "\\22")
-    result = "void" if module.return_type == "none" else returned
-    leave = (
-        "ret void"
-        if result == "void"
-        else f"%..value = load {returned}, ptr %..ret\n  ret {returned} %..value"
-    )
+    result = "void" if parts is not None else returned
+    leave = f"%..value = load {returned}, ptr %..ret\n  ret {returned} %..value"
+    if parts is not None:
+        leave = "\n  ".join((*parts.lines("%..ret", "%..status", "!dbg !5"), "ret void"))
+    declared = "\n".join(() if parts is None else parts.declarations)
     lines = "\n  ".join(body)
     line, flags = loc.line, "spFlags: DISPFlagDefinition"
     return f"""
 target datalayout = "{DATA_LAYOUT}"
 declare i32 @"{module.symbol}"({types})
 {pitches}
+{declared}
 define {result} @{ENTRY}({", ".join(inputs)}) !dbg !3 {{
 ..entry:
   %..ret = alloca {returned}

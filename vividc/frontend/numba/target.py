@@ -85,13 +85,13 @@ class NumbaModule:
         LLVM IR modules as text, the kernel's first, then all it needs.
     symbol
         Name of the kernel in the first module: `i32 (ptr retval, flattened arguments...)`.
-    return_type
-        Numba's name of the return type ("none" if it returns nothing).
+    returned
+        Numba's type of what it returns (`types.none` if nothing).
     """
 
     texts: tuple[str, ...]
     symbol: str
-    return_type: str
+    returned: Any
 
 
 class _Target(CPU):  # type: ignore[misc]
@@ -496,4 +496,4 @@ def numba_module(
         with in_time(), _indices_are_words(), arrays_are_ours(), marked_subscripts(py_func, args):
             result = _compile(py_func, args, return_type)
     texts, described = result.library.all_texts(), result.fndesc
-    return NumbaModule(texts, described.llvm_func_name, str(result.signature.return_type))
+    return NumbaModule(texts, described.llvm_func_name, result.signature.return_type)

@@ -22,7 +22,7 @@ from vividc.launch import Job, JobResult, Spread, nests_cycles, nests_job, sprea
 from vividc.program import Program
 from vividc.sim.bind import arguments
 from vividc.sim.engine import Observer, Progress
-from vividc.sim.run import CYCLE_LIMIT, Result, check_run
+from vividc.sim.run import CYCLE_LIMIT, Result, check_run, returned_value
 from vividc.sim.run import simulate as simulate_tile
 
 Machine = str | os.PathLike[str] | Accelerator
@@ -108,6 +108,24 @@ def simulate(
             **kwargs,
         )
     check_run(cycle_limit, progress, observer)
+    if program.results is None:
+        return _simulate_all(program, args, kwargs, machine, engine, cycle_limit)
+    arrays, inputs = arguments(program, args, kwargs)
+    made = {param.name: arrays[param.name] for param in program.params if param.made}
+    kwargs = {**kwargs, **made}  # several graphs may be tried, each with the same arrays
+    result = _simulate_all(program, args, kwargs, machine, engine, cycle_limit)
+    return replace(result, value=returned_value(program, arrays, inputs))
+
+
+def _simulate_all(
+    program: Program,
+    args: Sequence[object],
+    kwargs: Mapping[str, object],
+    machine: Accelerator,
+    engine: str,
+    cycle_limit: int,
+) -> JobResult:
+    """On all tiles, or in a TPU-like mode."""
     if program.products is not None:
         result = _simulate_products(program, args, kwargs, machine, engine, cycle_limit)
         if result is not None:

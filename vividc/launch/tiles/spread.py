@@ -7,6 +7,7 @@ import os
 from collections.abc import Mapping as ReadOnly
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +25,7 @@ from vividc.machine.words import WORD_MASK
 from vividc.program import WORD_BYTES, Program, joined
 from vividc.sim.bind import arguments, returned
 from vividc.sim.footprint.footprint import chunk_inputs, start_words
-from vividc.sim.run import CYCLE_LIMIT
+from vividc.sim.run import CYCLE_LIMIT, returned_value
 from vividc.sim.tile import AUTO
 
 
@@ -82,6 +83,7 @@ class Spread:
     plan: Plan
     runs: tuple[int, ...]
     inputs: ReadOnly[str, int]
+    arrays: ReadOnly[str, NDArray[np.generic]]
 
     def simulate(
         self, *, engine: str = AUTO, cycle_limit: int = CYCLE_LIMIT, threads: int | None = None
@@ -90,8 +92,10 @@ class Spread:
         result = self.job.simulate(engine=engine, cycle_limit=cycle_limit, threads=threads)
         return replace(result, value=self._value(result))
 
-    def _value(self, result: JobResult) -> int | float | bool | None:
+    def _value(self, result: JobResult) -> Any:
         parallel, dtype = self.program.parallel, self.program.returns
+        if self.program.results is not None:
+            return returned_value(self.program, self.arrays, self.inputs)
         if dtype is None:
             return None
         if parallel is None or parallel.result is None:
@@ -152,7 +156,8 @@ class _Builder:
             if parallel is not None:
                 words = chunk_inputs(parallel, chunk.first, chunk.last, starts, number == 0)
             runs.append(self._chunk(chunk, words, common))
-        return Spread(self._job, self._program, self._plan, tuple(runs), self._cut.inputs)
+        inputs = self._cut.inputs
+        return Spread(self._job, self._program, self._plan, tuple(runs), inputs, self._arrays)
 
     def _place(self) -> None:
         """Resident arrays, the kernel's own, then the slices, once or twice."""

@@ -137,6 +137,7 @@ def _program(
         regions=regions,
         provenance=provenance,
         locals=kernel.locals,
+        results=kernel.results,
     )
 
 

@@ -1,0 +1,255 @@
+"""NPBench's numba programs as they are found, in float32 at small sizes: which run, and agree.
+
+NPBench (Ziogas et al., "Productivity, portability, performance: data-centric Python", 2021; ETH
+Zurich, BSD) has programs of 54 kinds that its authors wrote for numba, `*_numba_n.py`. They stay
+outside this repository: the table is made from a copy that the user has.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from types import ModuleType
+from typing import Any, Final
+
+import click
+import numpy as np
+
+import vividc
+from vividc.dfg.cut.build import build_kernel
+from vividc.dfg.interpret.interpreter import interpret
+from vividc.dfg.pipeline import optimize_kernel
+from vividc.dfg.regions import Kernel
+from vividc.errors import InternalError, VividcError
+from vividc.frontend import KernelFunction
+from vividc.machine.opcodes import Type
+from vividc.program import Program
+from vividc.sim.bind import bind
+from vividc.ssa.results import named_leaves
+from vividc.ssa.rewrite.normalize import normalize
+
+TITLE: Final = "NPBench: numba programs as they are found"
+HEADER: Final = (
+    "| program | runs | agrees with numba | cycles | operations / 16 | compile s | why not |\n"
+    "|---|---|---|---|---|---|---|"
+)
+NOTES: Final = [
+    "The programs that NPBench's authors wrote for numba, each as it stands, for the types of its",
+    "arguments: arrays and floats in float32, sizes of at most 14, on `vivid-tile`.",
+    "",
+    "- agrees: floats differ from numba's by at most 1e-4 of the greatest number in their array;",
+    "  integers are equal. Arrays after the run are compared, and what is returned.",
+    "- operations / 16: float operations that the kernel as written executes, an FMA being one,",
+    "  over the PEs of a tile.",
+    "- compile s: seconds of user CPU.",
+]
+RTOL: Final = 1e-4
+_MOST: Final = 14
+_STEPS: Final = frozenset({"TSTEPS", "nt", "nit", "TMAX", "tEnd"})
+_FEW_STEPS: Final = 3
+_SIZES: Final[Mapping[str, Mapping[str, float]]] = {
+    "stockham_fft": {"R": 2, "K": 4},
+    "lenet": {"N": 1, "H": 28, "W": 28},
+    "conv2d": {"N": 2, "C_in": 2, "C_out": 3, "K": 3, "H": 8, "W": 8},
+    "resnet": {"N": 1, "W": 6, "H": 6, "C1": 4, "C2": 3},
+    "softmax": {"N": 2, "H": 2, "SM": 8},
+    "contour_integral": {"NR": 4, "NM": 5, "slab_per_bc": 2, "num_int_pts": 3},
+    "cavity_flow": {"nt": 2, "nit": 2},
+    "channel_flow": {"ny": 8, "nx": 8, "nit": 2},
+    "nbody": {"N": 5, "tEnd": 0.2, "dt": 0.05},
+    "hdiff": {"I": 6, "J": 6, "K": 4},
+    "vadv": {"I": 6, "J": 6, "K": 5},
+    "mandelbrot1": {"XN": 8, "YN": 8, "maxiter": 8},
+    "mandelbrot2": {"XN": 8, "YN": 8, "maxiter": 8},
+}
+"""Sizes that others do not fit, or that would be many more operations."""
+_NARROW: Final = {"float64": np.float32, "complex128": np.complex64, "int64": np.int32}
+_SECONDS: Final = 900
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A program; `refused`: why it does not run; `error` as of `polybench.measure.Row`."""
+
+    program: str
+    error: float | None = None
+    cycles: int | None = None
+    operations: int | None = None
+    compile_s: float | None = None
+    refused: str = ""
+
+    @property
+    def line(self) -> str:
+        """Its line of the table."""
+        runs = self.cycles is not None
+        agrees = "" if self.error is None else "yes" if self.error <= RTOL else "**no**"
+        cycles = "" if self.cycles is None else f"{self.cycles:,}"
+        ideal = "" if self.operations is None else f"{self.operations / 16:,.0f}"
+        took = "" if self.compile_s is None else f"{self.compile_s:.1f}"
+        name = f"| {self.program} | {'yes' if runs else 'no'} | {agrees} | {cycles} "
+        return f"{name}| {ideal} | {took} | {self.refused.replace('|', '/')} |"
+
+
+def programs(suites: Path) -> dict[str, Path]:
+    """The programs in a folder, by name."""
+    ending = "_numba_n.py"
+    found = {path.name.removesuffix(ending): path for path in sorted(suites.rglob(f"*{ending}"))}
+    if not found:
+        reason = f"{suites} has no program {ending}: get NPBench, https://github.com/spcl/npbench"
+        raise click.BadParameter(reason)
+    return found
+
+
+def lines(suites: Path, only: Sequence[str] = ()) -> Iterator[str]:
+    """The table, each program in a process of its own: one may take all memory, or not end."""
+    yield from (*NOTES, "", *HEADER.splitlines())
+    rows = []
+    for name in programs(suites):
+        if only and name not in only:
+            continue
+        rows.append(in_process(suites, name))
+        yield rows[-1].line
+    right = sum(row.error is not None and row.error <= RTOL for row in rows)
+    wrong = sum(row.error is not None and row.error > RTOL for row in rows)
+    yield from ("", f"{right} of {len(rows)} run and agree, {wrong} differ.")
+
+
+def in_process(suites: Path, name: str) -> Row:
+    """The row of a program, made by a process of its own."""
+    command = [sys.executable, "-m", "benchmarks.npbench", str(suites), name]
+    try:
+        run = subprocess.run(command, capture_output=True, timeout=_SECONDS, text=True, check=False)
+    except subprocess.TimeoutExpired:
+        return Row(name, refused=f"past {_SECONDS} s")
+    last = run.stdout.strip().splitlines()[-1:] or ["{}"]
+    if run.returncode or not last[0].startswith("{"):
+        told = run.stderr.strip().splitlines()[-1:] or [""]
+        return Row(name, refused=f"crashes: {told[0]}")
+    return Row(**json.loads(last[0]))
+
+
+def measured(suites: Path, name: str) -> Row:
+    """The row of a program."""
+    row = Row(name)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        arguments, function = _found(suites, name)
+        theirs, mine = _fresh(arguments), _fresh(arguments)
+        try:
+            kernel = vividc.jit(function).kernel(*arguments)
+            value = kernel(*theirs)
+        except VividcError as error:
+            return replace(row, refused=_told(error))
+        except Exception as error:  # numba has many
+            return replace(row, refused=f"numba: {str(error).strip().splitlines()[0]}")
+        try:
+            start = os.times().user
+            program = vividc.compile(kernel)
+            row = replace(row, compile_s=round(os.times().user - start, 1))
+            counted = operations(kernel, program, _fresh(arguments))
+            result = vividc.simulate(program, *mine)
+        except (VividcError, InternalError) as error:
+            return replace(row, refused=_told(error))
+    error = largest_error([*mine, result.value], [*theirs, value])
+    return replace(row, cycles=result.cycles, error=error, operations=counted)
+
+
+def _told(error: VividcError | InternalError) -> str:
+    return str(getattr(error, "reason", error)).splitlines()[0]
+
+
+def _found(suites: Path, name: str) -> tuple[list[object], Any]:
+    """Arguments and function of a program."""
+    path = programs(suites)[name]
+    known = _described(suites, name)
+    sizes = {
+        size: min(value, _FEW_STEPS if size in _STEPS else _MOST) if value > 1 else value
+        for size, value in known["parameters"]["S"].items()
+    }
+    sizes |= _SIZES.get(name, {})
+    values: dict[str, object] = dict(sizes)
+    init = known.get("init")
+    if init:
+        maker = getattr(_module(path.with_name(f"{name}.py")), init["func_name"])
+        made = maker(*(sizes[given] for given in init["input_args"]))
+        made = made if isinstance(made, tuple) else (made,)
+        values |= dict(zip(init["output_args"], made, strict=True))
+    arguments = [_narrowed(values[given]) for given in known["input_args"]]
+    return arguments, getattr(_module(path), known["func_name"])
+
+
+def _described(suites: Path, name: str) -> dict[str, Any]:
+    for path in sorted(suites.rglob("bench_info/*.json")):
+        described: dict[str, Any] = json.loads(path.read_text())["benchmark"]
+        if described["module_name"] == name:
+            return described
+    raise click.BadParameter(f"{suites} has no description of {name} in bench_info")
+
+
+def _module(path: Path) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def _narrowed(value: object) -> object:
+    """An argument in float32; integers in arrays, too, have 32 bits."""
+    if isinstance(value, np.ndarray):
+        dtype = _NARROW.get(value.dtype.name, value.dtype)
+        return np.array(value, dtype=dtype, order="C")
+    if isinstance(value, np.generic):
+        value = value.item()
+    return np.float32(value) if isinstance(value, float) else value
+
+
+def _fresh(arguments: Sequence[object]) -> list[object]:
+    return [a.copy() if isinstance(a, np.ndarray) else a for a in arguments]
+
+
+def operations(kernel: KernelFunction, program: Program, arguments: Sequence[object]) -> int:
+    """Float operations of the kernel as written, run by the interpreter."""
+    written = optimize_kernel(build_kernel(normalize(kernel.lower())))
+    bound = bind(program, arguments, {})
+    ran = interpret(written, bound.memory, bound.inputs)
+    return sum(n * each for n, each in zip(ran.iterations, _floats(written), strict=True))
+
+
+def _floats(kernel: Kernel) -> Iterator[int]:
+    for region in kernel.regions:
+        nodes = region.dfg.nodes
+        yield sum(n.uses_fu and n.info.operands[:1] == (Type.F32,) for n in nodes)
+
+
+def largest_error(mine: Sequence[object], numbas: Sequence[object]) -> float:
+    """The largest difference, as a share of the greatest number of its array; infinite where
+    shapes, types or integers differ.
+    """
+    worst = 0.0
+    ours, theirs = dict(named_leaves(tuple(mine))), dict(named_leaves(tuple(numbas)))
+    if ours.keys() != theirs.keys():
+        return np.inf
+    for name, one in ours.items():
+        other = theirs[name]
+        if one.shape != other.shape or one.dtype.kind != other.dtype.kind:
+            return np.inf
+        if one.dtype.kind not in "fc" or not np.array_equal(np.isfinite(one), np.isfinite(other)):
+            worst = max(worst, 0.0 if np.array_equal(one, other) else np.inf)
+            continue
+        finite = np.isfinite(other)
+        away = np.abs(one[finite].astype(np.complex128) - other[finite]).max(initial=0.0)
+        worst = max(worst, float(away / max(np.abs(other[finite]).max(initial=0.0), 1e-30)))
+    return worst
+
+
+if __name__ == "__main__":
+    click.echo(json.dumps(asdict(measured(Path(sys.argv[1]), sys.argv[2]))))

@@ -1,0 +1,172 @@
+"""What a kernel returns besides one word, taken apart: arrays, tuples, None.
+
+Numba writes a returned value through a pointer. The entry function reads its scalars and arrays
+from there, each a leaf, and hands them to calls of `RETURNED`, which pass through LLVM;
+`frontend.memory.results` finds out afterwards where the arrays lie.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+from numba.core import callconv, types
+from numba.core.registry import cpu_target
+
+from vividc.formats import F16
+from vividc.frontend.llvm.calls import RETURNED, RETURNED_ARRAY
+from vividc.lang.numba_types import TYPES
+from vividc.ssa.results import NONE, OPTIONAL, TUPLE
+
+_LLVM: Final = {
+    types.float32: "float",
+    types.float64: "double",
+    types.boolean: "i8",
+    **{
+        getattr(types, f"{sign}int{bits}"): f"i{bits}"
+        for sign in ("", "u")
+        for bits in (8, 16, 32, 64)
+    },
+}
+_POINTER: Final = re.compile(r"\w+\*+")
+_DATA, _SHAPE, _STRIDES = 4, 5, 6
+"""Members of numba's structure of an array."""
+_IS_NONE: Final = -2
+"""Numba's status of a call that returned None where there might be a value."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Leaf:
+    """A scalar (`ndim` None) or an array, and the members that lead to it; () and `is_status`: the
+    flag that there is a value.
+    """
+
+    dtype: str
+    llvm: str
+    path: tuple[int, ...]
+    ndim: int | None = None
+    is_status: bool = False
+
+    def callee(self, number: int) -> str:
+        kind = "" if self.ndim is None else RETURNED_ARRAY
+        return f'@"{RETURNED}{number} {self.dtype}{kind}"'
+
+    @property
+    def types(self) -> str:
+        if self.ndim is None:
+            return self.llvm
+        return ", ".join(["ptr", *["i64"] * (2 * self.ndim)])
+
+
+@dataclass(frozen=True, slots=True)
+class ReturnedParts:
+    """A returned type taken apart.
+
+    Attributes
+    ----------
+    type_text
+        LLVM's of what numba writes.
+    form
+        As of `ssa.results.Results`.
+    """
+
+    type_text: str
+    leaves: tuple[_Leaf, ...]
+    form: tuple[int | str, ...]
+
+    @property
+    def declarations(self) -> Iterator[str]:
+        """The callees that the leaves are handed to."""
+        for number, leaf in enumerate(self.leaves):
+            yield f"declare void {leaf.callee(number)}({leaf.types}) nounwind willreturn"
+
+    def lines(self, pointer: str, status: str, debug: str) -> Iterator[str]:
+        """Instructions that read what lies behind `pointer` and hand it over."""
+        for number, leaf in enumerate(self.leaves):
+            name = f"%..part{number}"
+            if leaf.is_status:
+                yield f"{name}.is = icmp ne i32 {status}, {_IS_NONE}"
+                yield f"{name} = zext i1 {name}.is to i8"
+                values = [f"i8 {name}"]
+            elif leaf.ndim is None:
+                yield from self._load(name, leaf.llvm, pointer, leaf.path)
+                values = [f"{leaf.llvm} {name}"]
+            else:
+                members: list[tuple[str, tuple[int, ...]]] = [("ptr", (_DATA,))]
+                members += [("i64", (_SHAPE, axis)) for axis in range(leaf.ndim)]
+                members += [("i64", (_STRIDES, axis)) for axis in range(leaf.ndim)]
+                values = []
+                for at, (kind, member) in enumerate(members):
+                    yield from self._load(f"{name}.{at}", kind, pointer, (*leaf.path, *member))
+                    values.append(f"{kind} {name}.{at}")
+            yield f"call void {leaf.callee(number)}({', '.join(values)}), {debug}"
+
+    def _load(self, name: str, kind: str, pointer: str, path: Sequence[int]) -> Iterator[str]:
+        if path:
+            at = ", ".join(f"i32 {index}" for index in (0, *path))
+            yield f"{name}.at = getelementptr inbounds {self.type_text}, ptr {pointer}, {at}"
+            pointer = f"{name}.at"
+        yield f"{name} = load {kind}, ptr {pointer}"
+
+
+def parts_of(returned: Any) -> ReturnedParts | None:
+    """The parts of a value of numba's type; None: the array has nothing like it."""
+    leaves: list[_Leaf] = []
+    form: list[int | str] = []
+    if not _take_apart(types.unliteral(returned), (), leaves, form, is_whole=True):
+        return None
+    pointer = callconv.MinimalCallConv(cpu_target.target_context).get_return_type(returned)
+    text = _POINTER.sub("ptr", str(pointer.pointee))
+    return ReturnedParts(text, tuple(leaves), tuple(form))
+
+
+def _take_apart(
+    kind: Any,
+    path: tuple[int, ...],
+    leaves: list[_Leaf],
+    form: list[int | str],
+    *,
+    is_whole: bool = False,
+) -> bool:
+    """Append the leaves of a type; whether it has only such as there are."""
+    if isinstance(kind, types.NoneType):
+        form.append(NONE)
+        return True
+    if isinstance(kind, types.Optional):
+        form.append(len(leaves))
+        leaves.append(_Leaf("bool", "i8", () if is_whole else (*path, 1), is_status=is_whole))
+        good = _take_apart(kind.type, path if is_whole else (*path, 0), leaves, form)
+        form.append(OPTIONAL)
+        return good
+    if isinstance(kind, types.BaseTuple):
+        for number, item in enumerate(kind.types):
+            if not _take_apart(types.unliteral(item), (*path, number), leaves, form):
+                return False
+        form.append(" ".join((TUPLE, str(len(kind.types)), *_names(kind))))
+        return True
+    leaf = _array(kind, path) if isinstance(kind, types.Array) else _scalar(kind, path)
+    if leaf is None:
+        return False
+    form.append(len(leaves))
+    leaves.append(leaf)
+    return True
+
+
+def _names(kind: Any) -> tuple[str, ...]:
+    """Of a named tuple its name, and those of its parts."""
+    named = isinstance(kind, types.NamedTuple | types.NamedUniTuple)
+    return (kind.instance_class.__name__, *kind.fields) if named else ()
+
+
+def _scalar(kind: Any, path: tuple[int, ...]) -> _Leaf | None:
+    return _Leaf(str(kind), _LLVM[kind], path) if kind in _LLVM else None
+
+
+def _array(kind: Any, path: tuple[int, ...]) -> _Leaf | None:
+    if kind.dtype == TYPES[F16]:
+        return _Leaf("float16", "i16", path, kind.ndim)
+    if kind.dtype not in _LLVM:
+        return None
+    return _Leaf(str(kind.dtype), _LLVM[kind.dtype], path, kind.ndim)

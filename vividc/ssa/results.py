@@ -1,0 +1,279 @@
+"""What a kernel returns besides one word: arrays, tuples, and where they lie when it has ended.
+
+An array that a kernel makes and returns is a parameter that the launch makes (`Param.made`), one
+word an element, two of int64 and float64 (a float64 is one float32 and a gap). A returned scalar of
+a tuple is such an array of one element. What of a result only the run decides, such as how long a
+slice is, the kernel writes to an array of words beside them.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import namedtuple
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
+from keyword import iskeyword
+from typing import Any, Final
+
+import numpy as np
+from numpy.lib.stride_tricks import as_strided
+from numpy.typing import NDArray
+
+from vividc.errors import SimulationError
+from vividc.machine.params import Formula, evaluate_formula
+
+Array = NDArray[Any]
+TUPLE, NONE, OPTIONAL = "tuple", "none", "optional"
+DTYPES: Final = frozenset(
+    {"bool", "float16", "float32", "float64"}
+    | {f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)}
+)
+"""numpy's names of what may be returned."""
+
+
+@dataclass(frozen=True, slots=True)
+class Leaf:
+    """One array, scalar or flag among what is returned.
+
+    Attributes
+    ----------
+    dtype
+        numpy's name of its elements.
+    arrays
+        The parameters that it may be, or be a part of.
+    which
+        Which of them it is.
+    offset, shape, strides
+        Bytes to its first element, elements along each dimension, and bytes from each to the next,
+        as numpy counts them for `dtype`.
+    is_scalar
+        The one element of its array is a scalar.
+    """
+
+    dtype: str
+    arrays: tuple[str, ...]
+    which: Formula = (0,)
+    offset: Formula = (0,)
+    shape: tuple[Formula, ...] = ()
+    strides: tuple[Formula, ...] = ()
+    is_scalar: bool = False
+
+    @property
+    def is_sound(self) -> bool:
+        """Whether it is of a type that there is, with a step for each dimension."""
+        return self.dtype in DTYPES and len(self.shape) == len(self.strides)
+
+    @property
+    def formulas(self) -> tuple[Formula, ...]:
+        """All numbers of the leaf."""
+        return (self.which, self.offset, *self.shape, *self.strides)
+
+
+@dataclass(frozen=True, slots=True)
+class Results:
+    """What a kernel returns.
+
+    Attributes
+    ----------
+    leaves
+        Its arrays, scalars and flags, in order.
+    form
+        How they are put together, in postfix form: the number of a leaf; "none"; "tuple 2", or with
+        the names of a named tuple "tuple 2 Point x y"; "optional": of a flag and a value the value,
+        if the flag is set, else None.
+    words
+        The array of words that the run decides, "" if there are none. Word k is the input
+        "s:" + `words` + ".k" of the leaves' formulas.
+    made
+        The arrays that the launch makes: others are arguments.
+    """
+
+    leaves: tuple[Leaf, ...]
+    form: tuple[int | str, ...] = (0,)
+    words: str = ""
+    made: tuple[str, ...] = ()
+
+    def value(self, arrays: Mapping[str, Array], inputs: Mapping[str, int]) -> object:
+        """What the kernel has returned.
+
+        Parameters
+        ----------
+        arrays
+            Those of the launch after it, by parameter.
+        inputs
+            The words of the launch.
+
+        Raises
+        ------
+        SimulationError
+            An array that it returned lies outside its memory.
+        """
+        words = arrays[self.words] if self.words else ()
+        known = {**inputs, **{f"{self.words}.{n}": int(w) for n, w in enumerate(words)}}
+        bases: dict[tuple[str, str], Array] = {}
+        made = [partial(self._leaf, leaf, arrays, known, bases) for leaf in self.leaves]
+        return _assembled(self.form, made)
+
+    @property
+    def is_sound(self) -> bool:
+        """Whether the form is one of its leaves."""
+        depth = 0
+        for item in self.form:
+            if isinstance(item, int):
+                if not 0 <= item < len(self.leaves):
+                    return False
+                depth += 1
+                continue
+            needed = _needed(item)
+            if needed is None or depth < needed:
+                return False
+            depth += 1 - needed
+        return depth == 1
+
+    def to_text(self) -> str:
+        """JSON."""
+        return json.dumps(asdict(self))
+
+    @staticmethod
+    def from_text(text: str) -> Results:
+        """What `to_text` wrote.
+
+        Raises
+        ------
+        ValueError, TypeError, KeyError
+            The text is nothing of that kind.
+        """
+        raw = json.loads(text)
+        leaves = (
+            Leaf(
+                leaf["dtype"],
+                tuple(leaf["arrays"]),
+                tuple(leaf["which"]),
+                tuple(leaf["offset"]),
+                tuple(map(tuple, leaf["shape"])),
+                tuple(map(tuple, leaf["strides"])),
+                leaf["is_scalar"],
+            )
+            for leaf in raw["leaves"]
+        )
+        return Results(tuple(leaves), tuple(raw["form"]), raw["words"], tuple(raw["made"]))
+
+    def _leaf(
+        self,
+        leaf: Leaf,
+        arrays: Mapping[str, Array],
+        known: Mapping[str, int],
+        bases: dict[tuple[str, str], Array],
+    ) -> object:
+        which = evaluate_formula(leaf.which, known)
+        if not 0 <= which < len(leaf.arrays):  # of an optional value that is none
+            return None
+        name = leaf.arrays[which]
+        if (name, leaf.dtype) not in bases:
+            elements = _of_words if name in self.made else _of_elements
+            bases[name, leaf.dtype] = elements(arrays[name].reshape(-1), np.dtype(leaf.dtype))
+        base = bases[name, leaf.dtype]
+        if leaf.is_scalar:
+            return base[0].item()
+        offset = evaluate_formula(leaf.offset, known)
+        shape = tuple(evaluate_formula(size, known) for size in leaf.shape)
+        strides = tuple(evaluate_formula(step, known) for step in leaf.strides)
+        whole = arrays[name]
+        if (offset, shape, strides) == (
+            0,
+            whole.shape,
+            whole.strides,
+        ) and whole.dtype == base.dtype:
+            return whole
+        return _view(base, offset, shape, strides)
+
+
+def named_leaves(value: object, name: str = "return") -> Iterator[tuple[str, Array]]:
+    """The arrays and scalars of a returned value: `return`, or of a tuple `return0`, `return1`, of
+    one in a tuple `return0_0`; None is left out.
+    """
+    if isinstance(value, tuple):
+        joint = "_" if name[-1].isdigit() else ""
+        for number, item in enumerate(value):
+            yield from named_leaves(item, f"{name}{joint}{number}")
+    elif value is not None:
+        yield name, np.asarray(value)
+
+
+def _needed(item: str) -> int | None:
+    """How many values a part of a form takes; None: it is none."""
+    if item in (NONE, OPTIONAL):
+        return 2 if item == OPTIONAL else 0
+    kind, *rest = item.split(" ")
+    if kind != TUPLE or not rest or not (rest[0].isascii() and rest[0].isdigit()):
+        return None
+    count, names = int(rest[0]), rest[1:]
+    if names and (len(names) != count + 1 or not all(map(_is_name, names))):
+        return None
+    return count if len(set(names[1:])) == len(names[1:]) else None
+
+
+def _is_name(name: str) -> bool:
+    return name.isidentifier() and not name.startswith("_") and not iskeyword(name)
+
+
+Made = Callable[[], object]
+
+
+def _assembled(form: tuple[int | str, ...], made: Sequence[Made]) -> object:
+    """The value; what is behind a flag that is not set is nothing, and is not looked at."""
+    stack: list[Made] = []
+    for item in form:
+        if isinstance(item, int):
+            stack.append(made[item])
+        elif item == NONE:
+            stack.append(lambda: None)
+        elif item == OPTIONAL:
+            value, flag = stack.pop(), stack.pop()
+            stack.append(partial(_optional, flag, value))
+        else:
+            _, count, *names = item.split(" ")
+            start = len(stack) - int(count)
+            stack[start:] = [partial(_tuple, stack[start:], names)]
+    return stack.pop()()
+
+
+def _optional(flag: Made, value: Made) -> object:
+    return value() if flag() else None
+
+
+def _tuple(parts: Sequence[Made], names: Sequence[str]) -> object:
+    values = tuple(part() for part in parts)
+    make: Any = namedtuple  # its names are data
+    return make(names[0], names[1:])(*values) if names else values
+
+
+def _view(base: Array, offset: int, shape: tuple[int, ...], strides: tuple[int, ...]) -> Array:
+    """The part of an array, inside it, whatever the numbers."""
+    if min(shape, default=1) < 0:
+        raise SimulationError(f"the kernel returned an array of shape {shape}")
+    if 0 in shape:
+        return np.empty(shape, base.dtype)
+    item = base.itemsize
+    ends = [(size - 1) * step for size, step in zip(shape, strides, strict=True)]
+    first = offset + sum(end for end in ends if end < 0)
+    last = offset + sum(end for end in ends if end > 0)
+    if first < 0 or last + item > base.nbytes or offset % item:
+        raise SimulationError("the kernel returned an array that lies outside its memory")
+    found: Array = as_strided(base[offset // item :], shape, strides)
+    return found
+
+
+def _of_elements(array: Array, dtype: np.dtype[Any]) -> Array:
+    """The elements of an argument, looked at as another type if the kernel does."""
+    return array if array.dtype == dtype else array.view(dtype)
+
+
+def _of_words(words: Array, dtype: np.dtype[Any]) -> Array:
+    """The elements whose words the kernel has written."""
+    if dtype == np.float64:
+        return words.view(np.float32)[::2].astype(np.float64)
+    if dtype.itemsize >= words.itemsize:
+        return words.view(dtype)
+    return words != 0 if dtype == np.bool_ else words.astype(dtype)
