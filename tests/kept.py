@@ -31,6 +31,7 @@ from numba.core import types
 import vividc.frontend.lower
 from tests.made_of import made_of
 from vividc.frontend import KernelFunction
+from vividc.frontend.numba.raises import model_of
 from vividc.frontend.numba.target import NumbaModule, numba_module
 
 _PACKAGE = Path(vividc.__file__).parent
@@ -82,7 +83,9 @@ class Kept:
         home = os.path.dirname(os.path.abspath(py_func.__code__.co_filename))
         place = _HOME if home.startswith(self.scratch) else home
         lines = repr((place, _lines(py_func))).replace(home, place)
-        key = self._key("module", py_func, lines, tuple(map(repr, args)), repr(return_type))
+        key = self._key(
+            "module", py_func, lines, tuple(map(repr, args)), repr(return_type), model_of(None)
+        )
         kept = self.read(key) if key else None
         if kept is not None:
             facts = json.loads(kept)
@@ -102,7 +105,7 @@ class Kept:
     ) -> object:
         """Run a kernel on this computer, or do to its arrays what it did."""
         described = _described(args)
-        asked = str(kernel.signature), described
+        asked = str(kernel.signature), described, kernel.error_model
         key = self._key("result", kernel.py_func, *asked) if described is not None else None
         kept = self.read(key) if key else None
         arrays = [arg for arg in args if isinstance(arg, np.ndarray)]

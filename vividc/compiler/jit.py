@@ -7,7 +7,7 @@ from __future__ import annotations
 import functools
 import inspect
 from collections.abc import Callable, Mapping
-from typing import Any, overload
+from typing import Any, Literal, overload
 
 import numba
 import numpy as np
@@ -45,6 +45,7 @@ class JitFunction:
         py_func: Callable[..., Any],
         fabric: str | Fabric | Accelerator,
         options: Mapping[str, Any],
+        error_model: Literal["numpy", "python"] = "numpy",
     ) -> None:
         functools.update_wrapper(self, py_func)
         self.py_func = py_func
@@ -54,6 +55,7 @@ class JitFunction:
         self.report: Result | JobResult | None = None
         self._fabric = fabric
         self._options = dict(options)
+        self._error_model = error_model
         self._kernels: dict[tuple[Any, ...], KernelFunction] = {}
 
     def __repr__(self) -> str:
@@ -94,7 +96,9 @@ class JitFunction:
         given = self._bound(args, kwargs)
         signature = tuple(map(self._type_of, given))
         if signature not in self._kernels:
-            self._kernels[signature] = kernel(signature)(self.py_func)
+            self._kernels[signature] = kernel(signature, error_model=self._error_model)(
+                self.py_func
+            )
         return self._kernels[signature]
 
     def _compiled(self, given: tuple[object, ...]) -> Program:
@@ -140,7 +144,10 @@ def jit(py_func: Callable[..., Any], /) -> JitFunction: ...
 
 @overload
 def jit(
-    *, fabric: str | Fabric | Accelerator = "vivid-tile", **options: Any
+    *,
+    fabric: str | Fabric | Accelerator = "vivid-tile",
+    error_model: Literal["numpy", "python"] = "numpy",
+    **options: Any,
 ) -> Callable[[Callable[..., Any]], JitFunction]: ...
 
 
@@ -149,6 +156,7 @@ def jit(
     /,
     *,
     fabric: str | Fabric | Accelerator = "vivid-tile",
+    error_model: Literal["numpy", "python"] = "numpy",
     **options: Any,
 ) -> JitFunction | Callable[[Callable[..., Any]], JitFunction]:
     """Let a function run on the simulated array: `@vividc.jit`, or `@vividc.jit(fabric="vivid")`.
@@ -161,6 +169,8 @@ def jit(
         A Python function, or one that numba has compiled, whose Python function is taken.
     fabric
         A fabric or an accelerator, a preset's name, or a YAML file.
+    error_model
+        Numba's, as of `vividc.kernel`: what divisions by zero do.
     **options
         Of `vividc.compile`.
 
@@ -182,6 +192,6 @@ def jit(
         if not inspect.isfunction(plain):
             hint = "decorate a Python function"
             raise KernelError(f"a kernel cannot be made of {quoted(function)}", hint=hint)
-        return JitFunction(plain, fabric, options)
+        return JitFunction(plain, fabric, options, error_model)
 
     return decorate if py_func is None else decorate(py_func)

@@ -10,7 +10,7 @@ import inspect
 import os
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numba
 from numba.core import sigutils, types
@@ -21,6 +21,7 @@ from vividc.formats import F16
 from vividc.frontend.like import Like, with_sizes
 from vividc.frontend.lower import lower
 from vividc.frontend.numba.prange import calls_prange, prange_lines
+from vividc.frontend.numba.raises import ERROR_MODELS, NUMPY, of_model
 from vividc.frontend.numba.target import Callee
 from vividc.host.inputs import demand_utf8_path
 from vividc.lang.numba_types import TYPES, for_numba, in_arrays
@@ -66,14 +67,21 @@ class KernelFunction(Callee):
         Parameters in order, with the sizes that are known of them.
     file, line
         Where it is defined.
+    error_model
+        Numba's: what divisions by zero do.
     """
 
     def __init__(
-        self, py_func: Callable[..., Any], signature: _Signature, name: str | None
+        self,
+        py_func: Callable[..., Any],
+        signature: _Signature,
+        name: str | None,
+        error_model: str = NUMPY,
     ) -> None:
         functools.update_wrapper(self, py_func)
         self.py_func = py_func
         self.name = name or py_func.__name__
+        self.error_model = error_model
         self.file = os.path.abspath(inspect.getsourcefile(py_func) or py_func.__code__.co_filename)
         self.line = py_func.__code__.co_firstlineno
         self._args, self._return_type = _parse(signature, self.loc)
@@ -122,7 +130,7 @@ class KernelFunction(Callee):
     def _host(self) -> Any:
         jit = numba.njit(
             self.numba_signature,
-            error_model="numpy",
+            error_model=self.error_model,
             fastmath=False,
             boundscheck=False,
             no_cfunc_wrapper=True,  # nobody calls it from C
@@ -163,21 +171,26 @@ class KernelFunction(Callee):
         if key not in self._lowered:
             demand_utf8_path(self.file, KernelError)
             longest = MAX_SPREAD if spread else 0
-            self._lowered[key] = lower(
-                self.py_func,
-                self.name,
-                tuple(replace(p, longest=longest) if p.ndim else p for p in self.params),
-                self._args,
-                self._return_type,
-                self.loc,
-                strict_fp=strict_fp,
-                words_at=words_at,
-            )
+            with of_model(self.error_model):
+                self._lowered[key] = lower(
+                    self.py_func,
+                    self.name,
+                    tuple(replace(p, longest=longest) if p.ndim else p for p in self.params),
+                    self._args,
+                    self._return_type,
+                    self.loc,
+                    strict_fp=strict_fp,
+                    words_at=words_at,
+                )
         return self._lowered[key]
 
 
 def kernel(
-    signature: _Signature, *, name: str | None = None, like: Like | None = None
+    signature: _Signature,
+    *,
+    name: str | None = None,
+    like: Like | None = None,
+    error_model: Literal["numpy", "python"] = NUMPY,
 ) -> Callable[[Callable[..., Any]], KernelFunction]:
     """Mark a function as a kernel.
 
@@ -190,6 +203,11 @@ def kernel(
         Name of the kernel; the function's if None.
     like
         Sizes that `vividc.compile` takes for known where it is given none (docs/known-sizes.md).
+    error_model
+        Numba's. "numpy": floats divided by zero are infinite or NaN, integers 0, as on its GPUs.
+        "python": a division by zero is an error of the run, as numba raises ZeroDivisionError; a
+        check costs a comparison and a store where a divisor is not known to be none
+        (docs/math.md).
 
     Raises
     ------
@@ -207,11 +225,15 @@ def kernel(
     if not isinstance(signature, str | Signature | tuple):
         raise KernelError(f"{quoted(signature)} is no signature", hint=_SIGNATURE_HINT)
 
+    if error_model not in ERROR_MODELS:
+        hint = 'give error_model="numpy" or error_model="python"'
+        raise KernelError(f"{quoted(error_model)} is no error model", hint=hint)
+
     def decorate(py_func: Callable[..., Any]) -> KernelFunction:
         if not inspect.isfunction(py_func):
             hint = "decorate a plain Python function; vividc passes it to numba by itself"
             raise KernelError(f"a kernel cannot be made of {quoted(py_func)}", hint=hint)
-        made = KernelFunction(py_func, signature, name)
+        made = KernelFunction(py_func, signature, name, error_model)
         return made if like is None else made.sized(like)
 
     return decorate

@@ -44,6 +44,8 @@ FLOOR_PREFIX = "vividc.floor "
 
 
 RAISE_PREFIX = "vividc.raise "
+TRAP_PREFIX = "vividc.trap "
+"""As a raise, but the kernel goes on behind it: no branch leaves its loops."""
 
 
 RETURNED = "vividc.returned "

@@ -2,7 +2,9 @@
 
 The array has no exceptions. Where `max` of an empty array or slices of different sizes would raise,
 the kernel stores to an array of no words, whose name says what happened: no witness runs on.
-What a user raises is refused beforehand.
+A
+division by zero that raises goes on behind the store, so that its loop keeps one way out. What a
+user raises is refused beforehand.
 """
 
 from __future__ import annotations
@@ -10,7 +12,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
-from vividc.frontend.llvm.calls import RAISE_PREFIX
+from vividc.frontend.llvm.calls import RAISE_PREFIX, TRAP_PREFIX
 from vividc.frontend.memory.local_arrays import OwnArray
 from vividc.machine.params import TRAP, LocalArray
 from vividc.ssa.ir import Branch, Float, Function, Instr, Int, Value
@@ -43,13 +45,19 @@ def trap_raises(function: Function) -> tuple[Function, dict[str, OwnArray]]:
         held |= {name: OwnArray(LocalArray(name, 0), "i32") for name in names.values()}
         ops = tuple(_store(op, names[op.pred]) if _is_trap(op) else op for op in block.instrs)
         leave = Branch(value=_NOTHING.get(function.result, Int(0)), loc=block.branch.loc)
-        blocks.append(replace(block, instrs=ops, branch=leave if names else block.branch))
+        leaves = any(_is_raise(op) for op in block.instrs)
+        blocks.append(replace(block, instrs=ops, branch=leave if leaves else block.branch))
     if not held:
         return function, held
     return replace(function, blocks=tuple(blocks)), held
 
 
 def _is_trap(op: Instr) -> bool:
+    return _is_raise(op) or (op.op == "call" and op.pred.startswith(TRAP_PREFIX))
+
+
+def _is_raise(op: Instr) -> bool:
+    """A raise that leaves the kernel."""
     return (
         op.op == "call"
         and op.pred.startswith(RAISE_PREFIX)
@@ -58,7 +66,9 @@ def _is_trap(op: Instr) -> bool:
 
 
 def _name(callee: str) -> str:
-    kind, _, text = _PATH.sub("", callee.removeprefix(RAISE_PREFIX)).partition(":")
+    kind, _, text = _PATH.sub(
+        "", callee.removeprefix(RAISE_PREFIX).removeprefix(TRAP_PREFIX)
+    ).partition(":")
     return f"{TRAP}{kind}.{_NAMELESS.sub('_', text).strip('_')}".rstrip(".")
 
 

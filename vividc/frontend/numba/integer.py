@@ -20,6 +20,7 @@ from numba.core import cgutils, types
 from numba.extending import register_jitable
 
 from vividc.frontend.llvm.calls import FLOOR_PREFIX
+from vividc.frontend.numba.raises import check_divisor
 
 _POWERS = (pow, operator.pow, operator.ipow)
 _DIVISIONS: dict[Any, tuple[str, ...]] = {
@@ -29,6 +30,8 @@ _DIVISIONS: dict[Any, tuple[str, ...]] = {
     operator.imod: ("rem",),
     divmod: ("div", "rem"),
 }
+_NAMES = {("div",): "division", ("rem",): "modulo", ("div", "rem"): "divmod"}
+"""In what numba says of a divisor of zero."""
 _POWER_BITS = 4
 _LARGEST_COUNTED = 0x10000
 _INTEGERS = "bBhHiIlLqQ"
@@ -72,6 +75,7 @@ def _division(
         context.cast(builder, arg, source, type_)
         for arg, source in zip(args, sig.args, strict=True)
     ]
+    check_divisor(context, builder, operands[1], f"integer {_NAMES[parts]} by zero")
     sign = "s" if type_.signed else "u"
     values = [_call(builder, sign + part, operands) for part in parts]
     return values[0] if len(values) == 1 else cgutils.pack_array(builder, values)

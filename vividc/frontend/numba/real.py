@@ -11,6 +11,8 @@ from typing import Any, Final
 from llvmlite import ir
 from numba.core import cgutils, types
 
+from vividc.frontend.numba.raises import check_divisor
+
 Parts = Callable[[Any, ir.IRBuilder, Any, Any], Any]
 
 
@@ -26,6 +28,8 @@ def real_division(key: object, args: tuple[Any, ...]) -> Callable[..., Any] | No
             context.cast(builder, value, arg, operand)
             for value, arg in zip(values, sig.args, strict=True)
         )
+        kind = "modulo" if parts is _modulo else "division"
+        check_divisor(context, builder, y, f"{kind} by zero")
         return parts(context, builder, x, y)
 
     return lower

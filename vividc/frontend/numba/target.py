@@ -20,7 +20,7 @@ from typing import Any
 
 import numba
 from llvmlite import binding, ir
-from numba.core import callconv, cgutils, compiler, cpu, errors, sigutils, types
+from numba.core import cgutils, compiler, cpu, errors, sigutils, types
 from numba.core.codegen import Codegen, CodeLibrary
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.descriptors import TargetDescriptor
@@ -39,7 +39,6 @@ from numba.np import arrayobj, npyimpl
 
 import vividc.frontend.numba.linalg
 import vividc.frontend.numba.where  # noqa: F401 - all register functions with numba
-from vividc.frontend.llvm.calls import RAISE_PREFIX
 from vividc.frontend.llvm.passes import DATA_LAYOUT
 from vividc.frontend.numba.arrays import (
     NoRuntime,
@@ -52,6 +51,7 @@ from vividc.frontend.numba.arrays import (
 from vividc.frontend.numba.integer import integer_loops, integer_operator
 from vividc.frontend.numba.math import float_loops
 from vividc.frontend.numba.prange import parallel_range
+from vividc.frontend.numba.raises import NUMPY, CallConv, model_of
 from vividc.frontend.numba.real import real_division
 from vividc.frontend.numba.sort import is_sort, sort
 from vividc.frontend.numba.subscripts import marked_subscripts
@@ -160,64 +160,6 @@ class _Codegen(Codegen):  # type: ignore[misc]
         raise errors.UnsupportedError("a recursive call cannot run on the array")
 
 
-class _CallConv(callconv.MinimalCallConv):  # type: ignore[misc]
-    """Status is the result: calls do not fail; a raise is a call of an undefined function."""
-
-    def _emit_raise(self, builder: ir.IRBuilder, exc: Any, exc_args: Any) -> None:
-        name = getattr(exc, "__name__", "exception")
-        text = ", ".join(str(arg) for arg in exc_args or ())
-        printable = "".join(c for c in f"{name}: {text}" if c.isascii() and c.isprintable())
-        symbol = RAISE_PREFIX + printable.replace('"', "'").replace("\\", "/")
-        callee = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(ir.VoidType(), ()), symbol
-        )
-        builder.call(callee, ())
-        builder.unreachable()
-
-    def return_user_exc(
-        self, builder: Any, exc: Any, exc_args: Any = None, loc: Any = None, func_name: Any = None
-    ) -> None:
-        self._emit_raise(builder, exc, exc_args)
-
-    def return_dynamic_user_exc(
-        self,
-        builder: Any,
-        exc: Any,
-        exc_args: Any,
-        nb_types: Any,
-        loc: Any = None,
-        func_name: Any = None,
-    ) -> None:
-        self._emit_raise(builder, exc, ("...",))
-
-    def set_static_user_exc(self, *_: Any, **__: Any) -> None:
-        """Numba asks for it to lower a raise inside `try`."""
-        raise errors.UnsupportedError("`try` cannot run on the array")
-
-    def check_try_status(self, *_: Any) -> None:
-        """Numba asks for it to lower `try`."""
-        raise errors.UnsupportedError("`try` cannot run on the array")
-
-    set_try_status = unset_try_status = check_try_status
-
-    def return_status_propagate(self, builder: Any, status: Any) -> None:
-        builder.ret(status.code)
-
-    def _get_return_status(self, builder: Any, code: Any) -> callconv.Status:
-        none = builder.icmp_signed("==", code, callconv.RETCODE_NONE)
-        true, false = cgutils.true_bit, cgutils.false_bit
-        return callconv.Status(
-            code=code,
-            is_ok=true,
-            is_none=none,
-            is_error=false,
-            is_stop_iteration=false,
-            is_python_exc=false,
-            is_user_exc=false,
-            excinfoptr=None,
-        )
-
-
 class _TypingContext(TimedTyping):
     def resolve_value_type(self, val: Any) -> Any:
         """A jitted helper or another kernel becomes a function of this target, typed anew."""
@@ -250,8 +192,8 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
         return NoRuntime(self, False)
 
     @property
-    def call_conv(self) -> _CallConv:
-        return _CallConv(self)
+    def call_conv(self) -> CallConv:
+        return CallConv(self)
 
     def apply_target_attributes(self, *_: Any, **__: Any) -> None:
         """No host, no attributes."""
@@ -370,14 +312,14 @@ class _Descriptor(TargetDescriptor):  # type: ignore[misc]
         return _Context(self.typing_context, TARGET_NAME)
 
 
-def _flags() -> compiler.Flags:
+def _flags(model: str) -> compiler.Flags:
     flags = compiler.Flags()
     flags.no_compile = True
     flags.no_cpython_wrapper = True
     flags.no_cfunc_wrapper = True
     flags.debuginfo = True
     flags.dbg_directives_only = True
-    flags.error_model = "numpy"
+    flags.error_model = model
     return flags
 
 
@@ -385,6 +327,7 @@ class _Dispatcher(Dispatcher):  # type: ignore[misc]
     """A helper function of the target, compiled on demand for the types of each call."""
 
     targetdescr = _Descriptor(TARGET_NAME)
+    model = NUMPY
 
     def compile(self, sig: Any) -> object:
         args, return_type = sigutils.normalize_signature(sig)
@@ -392,7 +335,7 @@ class _Dispatcher(Dispatcher):  # type: ignore[misc]
         if existing is not None:
             return existing.entry_point
         with self._compiling_counter:
-            result = _compile(self.py_func, args, return_type, self.locals)
+            result = _compile(self.py_func, args, return_type, self.model, self.locals)
         # Numba keys a helper's lowering by its address; it has none, so any unique object serves.
         result = result._replace(entry_point=_EntryPoint())
         self.targetctx.insert_user_function(result.entry_point, result.fndesc, [result.library])
@@ -408,15 +351,18 @@ def _own_dispatcher(
     host: Any, py_func: Callable[..., Any], signatures: tuple[Any, ...], locals_: Any = None
 ) -> _Dispatcher:
     """The dispatcher of our target for what the host calls `host`, limited to `signatures`."""
-    own: _Dispatcher | None = getattr(host, "_vividc_dispatcher", None)
+    model = model_of(host)
+    name = f"_vividc_dispatcher_{model}"
+    own: _Dispatcher | None = getattr(host, name, None)
     if own is None:
         own = _Dispatcher(py_func, locals_ or {})
-        host._vividc_dispatcher = own
+        own.model = model
+        setattr(host, name, own)
         try:
             for signature in signatures:
                 own.compile(signature)
         except errors.NumbaError:
-            del host._vividc_dispatcher
+            delattr(host, name)
             raise
         if signatures:
             own.disable_compile()
@@ -428,7 +374,7 @@ def _jit(*_: Any, **__: Any) -> Callable[[Any], _Dispatcher]:
     return _Dispatcher
 
 
-def _compile(py_func: Any, args: Any, return_type: Any, locals_: Any = None) -> Any:
+def _compile(py_func: Any, args: Any, return_type: Any, model: str, locals_: Any = None) -> Any:
     descriptor = _Dispatcher.targetdescr
     return compiler.compile_extra(
         descriptor.typing_context,
@@ -436,7 +382,7 @@ def _compile(py_func: Any, args: Any, return_type: Any, locals_: Any = None) -> 
         py_func,
         args=args,
         return_type=return_type,
-        flags=_flags(),
+        flags=_flags(model),
         locals=locals_ or {},
     )
 
@@ -475,7 +421,8 @@ _register()
 def numba_module(
     py_func: Callable[..., object], args: tuple[Any, ...], return_type: Any
 ) -> NumbaModule:
-    """Type and lower `py_func` with numba, without optimisation.
+    """Type and lower `py_func` with numba, without optimisation, in the error model of
+    `raises.of_model`.
 
     Parameters
     ----------
@@ -494,6 +441,6 @@ def numba_module(
         warnings.simplefilter("ignore", errors.NumbaDebugInfoWarning)
         warnings.simplefilter("ignore", errors.NumbaExperimentalFeatureWarning)
         with in_time(), _indices_are_words(), arrays_are_ours(), marked_subscripts(py_func, args):
-            result = _compile(py_func, args, return_type)
+            result = _compile(py_func, args, return_type, model_of(None))
     texts, described = result.library.all_texts(), result.fndesc
     return NumbaModule(texts, described.llvm_func_name, result.signature.return_type)
