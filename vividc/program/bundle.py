@@ -150,7 +150,7 @@ class BundleReader:
             raise BundleError(
                 f"not a complete .vivid file ({_short(error)})",
                 loc=str(self.path),
-                hint="compile the kernel again",
+                hint="give a file of `vividc compile`; if it is one, compile the kernel again",
             ) from error
 
     def manifest(self) -> Manifest:

@@ -203,7 +203,8 @@ def _nothing_found(result: MapResult, graph: DFG, wanted: str, time_limit_s: flo
     effort_s = result.stats.get("effort_s", result.wall_s)
     enough_s = _MOST_OF_THE_TIME * EFFORT_SHARE * time_limit_s
     if not result.hurried and effort_s < enough_s:
-        hint = "try another mapper (--mapper auto), or a fabric with more room (--fabric)"
+        another = "" if result.mapper == "auto" else "another mapper (--mapper auto), or "
+        hint = f"try {another}a fabric with more room (--fabric)"
         reason = f"mapper {result.mapper!r} gave up after {result.wall_s:.1f} s without a mapping"
         return TimeLimit(f"{reason}{wanted}; {known}", loc=loc, hint=hint)
     hint = "give more time (--time-limit), or a fabric with more room (--fabric)"
