@@ -60,5 +60,5 @@ def test_a_notebook_shows_tables_and_pictures() -> None:
         shown = ElementTree.fromstring(one._repr_html_())
         text = "".join(shown.itertext())
         assert all(word in text for word in words)
-    for picture in (loop.dfg, loop.mapping, loop.dfg.plot()):
+    for picture in (loop.dfg, loop.mapping, loop.dfg.plot(), program.fabric):
         assert ElementTree.fromstring(picture._repr_svg_()).tag.endswith("svg")

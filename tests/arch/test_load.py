@@ -3,13 +3,15 @@
 import contextlib
 import re
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vividc.arch import load, load_text
+from vividc.arch import accelerator_names, load, load_text, preset_names
 from vividc.arch.yaml import schema
+from vividc.arch.yaml.load_machine import ShippedAccelerator, ShippedTile
 from vividc.dfg.ir import Node
 from vividc.errors import ArchError
 from vividc.machine.opcodes import LatencyClass, Opcode
@@ -318,3 +320,22 @@ def test_dot_follows_fma_unless_a_layer_says():
     assert [LatencyClass.DOT in pe.classes for pe in some.pes] == [False, True]
     none = load_text("extends: mesh-1x2\nabsent: [fma]")
     assert not any(LatencyClass.DOT in pe.classes for pe in none.pes)
+
+
+def test_a_fabric_for_mapping_says_its_size_and_its_links():
+    """What it leaves out is as in `mesh-RxC`; `dot` is as `fma`, as ever."""
+    fabric, mesh = load_text("rows: 3\ncols: 3\ntopology: mesh\n"), load("mesh-3x3")
+    for part in ("pes", "links", "latencies", "scratchpad", "controller", "routing"):
+        assert getattr(fabric, part) == getattr(mesh, part)
+    text = "rows: 2\ncols: 2\ntopology: torus\npe: {constants: 4}\nlatencies: {fma: 3, load: 2}\n"
+    fabric = load_text(text)
+    assert {pe.constants for pe in fabric.pes} == {4}
+    assert {pe.registers for pe in fabric.pes} == {8}
+    cycles = {lat.value: fabric.latencies[lat] for lat in fabric.latencies}
+    assert (cycles["fma"], cycles["dot"], cycles["load"], cycles["fadd"]) == (3, 3, 2, 1)
+    assert load_text(fabric.source, fabric.name) == fabric
+
+
+def test_a_type_checker_knows_the_shipped_names():
+    assert get_args(ShippedTile) == preset_names()
+    assert get_args(ShippedAccelerator) == accelerator_names()

@@ -1,7 +1,8 @@
 """The fabric that a program runs on, and accelerators of several tiles.
 
 In order: `fabric` (PEs, links, register files, latencies), `topology`, `accelerator` (tiles, DRAM,
-NoC, DMA); `yaml/` (where they are read from), `cost/` (energy and area). Shipped ones are data.
+NoC, DMA); `draw/`, `yaml/` (where they are read from), `cost/` (energy and area). Shipped ones are
+data.
 """
 
 from vividc.arch.accelerator import (
@@ -13,6 +14,7 @@ from vividc.arch.accelerator import (
     Orientation,
     TileGroup,
 )
+from vividc.arch.draw.picture import attach
 from vividc.arch.fabric import PE, Controller, Fabric, Link, Routing, Scratchpad
 from vividc.arch.yaml.layers import family_names, preset_names
 from vividc.arch.yaml.load import load as load_tile
@@ -51,3 +53,5 @@ __all__ = [
     "reflected",
     "reflection",
 ]
+
+attach()

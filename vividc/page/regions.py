@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
+from vividc.arch.draw.grid import Grid
+from vividc.arch.draw.wires import wires, wrap_arounds
 from vividc.arch.fabric import Fabric
 from vividc.dfg import DFG
 from vividc.dfg.draw import label
 from vividc.dfg.ir import Edge, Node
 from vividc.mapper.mapping import Bound, Place
-from vividc.mapper.report.draw.grid import Grid
 from vividc.mapper.report.draw.scene import (
     Scene,
     colour_of,
@@ -19,7 +20,6 @@ from vividc.mapper.report.draw.scene import (
     operation_name,
     scene_of,
 )
-from vividc.mapper.report.draw.wires import wires, wrap_arounds
 from vividc.mapper.report.explain import binding, explain
 from vividc.mapper.result import MapResult
 from vividc.page.source import Data, OwnLines

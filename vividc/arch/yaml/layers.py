@@ -108,19 +108,29 @@ def entered(path: Path, opened: tuple[Path, ...]) -> tuple[Path, ...]:
 def text_tree(text: str, file: str, opened: tuple[Path, ...] = ()) -> Tree:
     """Layers of a YAML text, merged; `file` names it in messages and anchors a relative `extends`.
 
+    What a fabric that extends nothing leaves out, beside its size and topology, is as in
+    `mesh-RxC`: for mapping graphs only, little else matters.
+
     Raises
     ------
     ArchError
         Broken YAML, or values that the schema refuses, with the lines of all of them.
     """
+    base_name, layer = _one_layer(text, file)
+    if base_name is None:
+        rows, cols = layer.data.get("rows"), layer.data.get("cols")
+        whole = isinstance(rows, int) and isinstance(cols, int) and "topology" in layer.data
+        return merge(_defaults(rows, cols), layer) if whole else layer  # type: ignore[arg-type]
+    return merge(_base_tree(base_name, layer, file, opened), layer)
+
+
+def _one_layer(text: str, file: str) -> tuple[str | None, Tree]:
+    """What a text extends, and all else that it says."""
     layer = _expand_latency_groups(_checked(parse(text, file)))
     base_name = layer.data.get("extends")
     data = {key: value for key, value in layer.data.items() if key != "extends"}
     data.setdefault("name", _stem(file))
-    layer = Tree(data, layer.places)
-    if not isinstance(base_name, str):
-        return layer
-    return merge(_base_tree(base_name, layer, file, opened), layer)
+    return base_name if isinstance(base_name, str) else None, Tree(data, layer.places)
 
 
 def merge(base: Tree, layer: Tree) -> Tree:
@@ -238,25 +248,40 @@ def shipped_text(folder: str, name: str) -> str:
 
 
 def _shipped_tree(name: str) -> Tree:
-    return text_tree(shipped_text("presets", name), f"{name}.yaml")
+    text, file = shipped_text("presets", name), f"{name}.yaml"
+    base_name, layer = _one_layer(text, file)
+    return layer if base_name is None else merge(_base_tree(base_name, layer, file, ()), layer)
+
+
+def _defaults(rows: int, cols: int) -> Tree:
+    """What a whole fabric may leave out; of `dot` it is said elsewhere: as `fma` then."""
+    base = _uniform(rows, cols)
+    latencies = base.data["latencies"]
+    assert isinstance(latencies, dict)
+    given = {name: cycles for name, cycles in latencies.items() if name != "dot"}
+    return Tree({**base.data, "latencies": given}, base.places)
+
+
+def _uniform(rows: int, cols: int) -> Tree:
+    """What arrays of this size have that say nothing else; one bank a PE: that the scratchpad binds
+    is a question for fabrics which state their own.
+    """
+    banks = max(_UNIFORM_BANKS, 1 << (rows * cols - 1).bit_length())
+    text = f"rows: {rows}\ncols: {cols}\nscratchpad: {{banks: {banks}}}\n"
+    return merge(_shipped_tree("_uniform"), _one_layer(text, "mesh-RxC")[1])
 
 
 def _parametrised(name: str, family: str, rows: int, cols: int) -> Tree:
     if not (1 <= rows <= MAX_SIDE and 1 <= cols <= MAX_SIDE):
         raise ArchError(f"`{name}` is not from 1x1 to {MAX_SIDE}x{MAX_SIDE}")
-    # One bank a PE: that the scratchpad binds is a question for fabrics which state their own.
-    banks = max(_UNIFORM_BANKS, 1 << (rows * cols - 1).bit_length())
-    text = (
-        f"name: {family}-{rows}x{cols}\nrows: {rows}\ncols: {cols}\n"
-        f"scratchpad: {{banks: {banks}}}\n"
-    )
-    published = _FAMILIES[family]
-    base = _shipped_tree("_uniform")
+    base, published = _uniform(rows, cols), _FAMILIES[family]
+    text = f"name: {family}-{rows}x{cols}\n"
     if published is None:
         text += f"topology: {family}\n"
     else:
-        base = merge(base, _shipped_tree(published))
-    return merge(base, text_tree(text, f"{name}.yaml"))
+        size = _one_layer(f"rows: {rows}\ncols: {cols}\n", f"{name}.yaml")[1]
+        base = merge(merge(base, _shipped_tree(published)), size)
+    return merge(base, _one_layer(text, f"{name}.yaml")[1])
 
 
 def _known() -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from functools import cache
 from pathlib import Path
+from typing import Literal, overload
 
 import yaml
 
@@ -20,10 +21,34 @@ from vividc.arch.yaml.tree import Tree, parse
 from vividc.errors import ArchError, demand_type
 from vividc.host.inputs import YAML_BYTES, read_text
 
+ShippedAccelerator = Literal["vivid", "vivid-unit"]
+ShippedTile = Literal[
+    "vivid-16x16",
+    "vivid-8x8",
+    "vivid-tile",
+    "vivid-tile-ne",
+    "vivid-tile-nw",
+    "vivid-tile-se",
+    "vivid-tile-sw",
+    "vivid-tile-unit",
+]
+
 
 def accelerator_names() -> tuple[str, ...]:
     """Names of the shipped accelerators."""
     return shipped("accelerators")
+
+
+@overload
+def load(name_or_path: ShippedAccelerator) -> Accelerator: ...
+
+
+@overload
+def load(name_or_path: ShippedTile) -> Fabric: ...
+
+
+@overload
+def load(name_or_path: str | os.PathLike[str]) -> Fabric | Accelerator: ...
 
 
 def load(name_or_path: str | os.PathLike[str]) -> Fabric | Accelerator:
@@ -34,7 +59,8 @@ def load(name_or_path: str | os.PathLike[str]) -> Fabric | Accelerator:
     name_or_path
         One of `accelerator_names()` or `preset_names()`, `mesh-RxC` or `torus-RxC`, or the path of
         a YAML file; one with the key `tiles`, or that extends an accelerator, describes an
-        accelerator.
+        accelerator. Type checkers know which it is of shipped names only: of others `load_tile` and
+        `load_accelerator` say so.
 
     Raises
     ------

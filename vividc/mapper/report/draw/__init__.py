@@ -1,4 +1,4 @@
 """Pictures of mappings.
 
-In order: `scene` (what is seen), `grid`, `label`, `wires`, `array`, `table`, `draw`.
+In order: `scene` (what is seen), `label`, `array`, `table`, `draw`.
 """

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
+from vividc.arch.draw.grid import FULL, HEADER, Detail, Grid
+from vividc.arch.draw.wires import Wire, wires, wrap_arounds
 from vividc.arch.fabric import PE
 from vividc.dfg.ir import Node
 from vividc.host.plot import (
@@ -20,7 +22,6 @@ from vividc.host.plot import (
     text_width,
     tint,
 )
-from vividc.mapper.report.draw.grid import FULL, HEADER, Detail, Grid
 from vividc.mapper.report.draw.label import fitted, fitted_id, name_and_id
 from vividc.mapper.report.draw.scene import (
     IDLE,
@@ -31,7 +32,6 @@ from vividc.mapper.report.draw.scene import (
     operation_name,
     pale,
 )
-from vividc.mapper.report.draw.wires import Wire, wires, wrap_arounds
 
 WIRE: Final = OKABE_ITO["blue"]
 CHIP: Final = tint(OKABE_ITO["vermilion"], 0.35)

@@ -8,9 +8,9 @@ import pytest
 from fabrics import grid
 
 from vividc.arch import load, load_text
+from vividc.arch.draw.grid import HEADER, Grid, Point
+from vividc.arch.draw.wires import Wire, wires, wrap_arounds
 from vividc.arch.fabric import Fabric
-from vividc.mapper.report.draw.grid import HEADER, Grid, Point
-from vividc.mapper.report.draw.wires import Wire, wires, wrap_arounds
 
 _ODD = """
 name: odd

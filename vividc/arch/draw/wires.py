@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final, Literal
 
+from vividc.arch.draw.grid import Grid, Point
 from vividc.arch.fabric import PE, Fabric, Link
-from vividc.mapper.report.draw.grid import Grid, Point
 
 Path = tuple[Point, ...]
 Way = Literal["row", "column"]
