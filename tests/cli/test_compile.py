@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -50,3 +51,16 @@ def test_folders_are_checked_before_anything_is_compiled(here: Path) -> None:
     run = CliRunner().invoke(main, ["compile", "k.py", "--dfg", "k.py"])
     assert run.exit_code == 2
     assert not (here / "double.vivid").exists()
+
+
+def test_json_says_what_binds_with_its_operations(here: Path) -> None:
+    dot = Path(__file__).parents[2] / "kernels" / "dot.py"
+    run = CliRunner().invoke(main, ["compile", str(dot), "--json"])
+    [loop] = [one for one in json.loads(run.stdout)["regions"] if one["kind"] == "loop"]
+    binds = loop["binds"]
+    assert (binds["what"], binds["bound"]) == ("the recurrence", "RecMII")
+    [operation] = binds["operations"]
+    [edge] = binds["edges"]
+    assert operation["op"] == "fma"
+    assert operation["loc"].endswith("dot.py:12")
+    assert (edge["src"], edge["dst"], edge["distance"]) == (operation["id"], operation["id"], 1)

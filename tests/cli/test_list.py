@@ -53,11 +53,36 @@ def test_kernels_of_files(tmp_path: Path) -> None:
         (["map", "--fabric"], "mesh", ["mesh-4x4"]),
         (["map", "--mapper"], "s", ["sat-kms", "spr"]),
         (["area"], "vivid-u", ["vivid-unit"]),
+        (["simulate", "p.vivid", "--fabric"], "vivid", ["vivid", "vivid-unit"]),
+        (["verify", "m.json", "--fabric"], "vivid-8", ["vivid-8x8"]),
+        (["area", "vivid", "--costs"], "vivid-4", ["vivid-45nm"]),
+        (["compile", "--precision"], "exp", ["exp=", "exp2="]),
+        (["compile", "--precision"], "exp=fp1", ["exp=fp16"]),
+        (["opt", "--passes"], "contract,norm", ["contract,normalize"]),
+        (["compile", "--effort"], "f", ["fast"]),
     ],
 )
 def test_a_shell_completes_names(args: list[str], incomplete: str, found: list[str]) -> None:
     shell = ShellComplete(main, {}, "vividc", "_VIVIDC_COMPLETE")
     assert [item.value for item in shell.get_completions(args, incomplete)] == found
+
+
+def test_a_shell_completes_kernels_without_running_their_file(tmp_path: Path) -> None:
+    file = tmp_path / "two.py"
+    file.write_text(
+        "import vividc\nfrom vividc import kernel\nraise SystemExit('it ran')\n"
+        "@vividc.kernel('void(int32[::1])')\ndef one(x):\n    x[0] = 1\n"
+        "@kernel('void(int32[::1])')\ndef two(x):\n    x[0] = 1\n"
+        "@vividc.jit\ndef other(x):\n    x[0] = 1\n"
+    )
+    shell = ShellComplete(main, {}, "vividc", "_VIVIDC_COMPLETE")
+    for begun, found in ((":", ["one", "two"]), (":t", ["two"])):
+        offered = shell.get_completions(["compile"], f"{file}{begun}")
+        assert [item.value for item in offered] == [f"{file}:{name}" for name in found]
+    [files] = shell.get_completions(["compile"], "tw")
+    assert files.type == "file"
+    file.write_text("def (")
+    assert shell.get_completions(["compile"], f"{file}:") == []
 
 
 def test_mistakes_are_told() -> None:

@@ -1,7 +1,7 @@
 """The command line: what a user gives, one module a command, and what is printed.
 
-In order: `say`, `files`, `arrays`, `kernels`, `reference` (`--check`), `options` (shared by
-commands), `loops` (transformations), `stages` (what is seen between stages); `reports/`,
+In order: `say`, `files`, `arrays`, `kernels`, `reference` (`--check`), `completion`, `options`
+(shared by commands), `loops` (transformations), `stages` (what is seen between stages); `reports/`,
 `commands/`; `main`.
 """
 

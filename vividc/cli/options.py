@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 import click
 
-from vividc import arch
+from vividc.cli import completion
 from vividc.mapper import EFFORT_LEVELS, EffortLevel
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -83,33 +83,19 @@ FILE = click.Path(path_type=Path, dir_okay=False)
 FOLDER = click.Path(path_type=Path, file_okay=False)
 
 
-def complete_fabric(_: click.Context, __: click.Parameter, incomplete: str) -> list[str]:
-    """Names of fabrics and accelerators, for a shell's TAB."""
-    families = [name.replace("RxC", "4x4") for name in arch.family_names()]
-    names = [*arch.preset_names(), *arch.accelerator_names(), *families]
-    return [name for name in names if name.startswith(incomplete)]
-
-
-def complete_mapper(_: click.Context, __: click.Parameter, incomplete: str) -> list[str]:
-    """Names of mappers, for a shell's TAB."""
-    from vividc.mapper import mapper_names  # noqa: PLC0415 - loads the solver
-
-    return [name for name in mapper_names() if name.startswith(incomplete)]
-
-
 fabric = click.option(
     "--fabric",
     default="vivid-tile",
     metavar="F",
     help="Name of a fabric (vivid-tile, mesh-4x4, ...) or a YAML file.",
-    shell_complete=complete_fabric,
+    shell_complete=completion.fabric,
 )
 mapper = click.option(
     "--mapper",
     default="auto",
     metavar="M",
     help="Name of the mapper.",
-    shell_complete=complete_mapper,
+    shell_complete=completion.mapper,
 )
 time_limit = click.option(
     "--time-limit",

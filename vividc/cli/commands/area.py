@@ -7,7 +7,7 @@ import click
 from vividc import arch
 from vividc.arch import Accelerator, Fabric
 from vividc.arch.cost.tables import DEFAULT_TABLE, load_costs
-from vividc.cli import options
+from vividc.cli import completion, options
 from vividc.cli.reports.energy import print_area
 from vividc.cli.reports.report import print_json
 from vividc.sim.cost import area
@@ -16,7 +16,7 @@ SCHEMA = "vividc.area/1"
 
 
 @click.command("area")
-@click.argument("fabric", metavar="FABRIC", shell_complete=options.complete_fabric)
+@click.argument("fabric", metavar="FABRIC", shell_complete=completion.fabric)
 @click.option(
     "--tiles",
     type=click.IntRange(1, 4096),
@@ -28,6 +28,7 @@ SCHEMA = "vividc.area/1"
     default=DEFAULT_TABLE,
     metavar="TABLE",
     help="Cost table, by name or YAML file.",
+    shell_complete=completion.costs,
 )
 @click.option(
     "--node",

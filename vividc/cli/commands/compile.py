@@ -10,10 +10,11 @@ from typing import Any
 import click
 
 import vividc
-from vividc.cli import options
+from vividc.cli import completion, options
 from vividc.cli.files import check_apart, check_output, make_folder
 from vividc.cli.kernels import kernel_file, load_kernel
 from vividc.cli.loops import loop_options
+from vividc.cli.reports.binds import what_binds
 from vividc.cli.reports.loop import print_advice, print_loops, print_product
 from vividc.cli.reports.program import print_regions
 from vividc.cli.reports.report import print_json, progress
@@ -31,7 +32,7 @@ _NOT_PLANNED = ("mapper", "mode", "cache")
 
 
 @click.command("compile")
-@click.argument("kernel", metavar="FILE[:KERNEL]")
+@click.argument("kernel", metavar="FILE[:KERNEL]", shell_complete=completion.kernel)
 @options.fabric
 @options.mapper
 @options.time_limit
@@ -53,6 +54,7 @@ _NOT_PLANNED = ("mapper", "mode", "cache")
     multiple=True,
     metavar="FUNCTION=FORMAT",
     callback=options.formats,
+    shell_complete=completion.precision,
     help="Compute exp, exp2, fma (arithmetic) or all in fp16, fp8, e5m2 or fp32.",
 )
 @click.option(
@@ -199,6 +201,8 @@ def _as_object(program: Program, path: Path) -> dict[str, object]:
                     {"name": bound.name, "ii": bound.ii, "reason": bound.reason}
                     for bound in region.bounds
                 ],
+                "binds": what_binds(region),
+                "refuted": [{"ii": item.ii, "by": item.by} for item in region.refuted],
                 "memory_order_assumed": region.rests_on_assumed,
                 "wall_s": region.wall_s,
             }

@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from vividc.cli import completion
 from vividc.cli.files import check_apart, check_output
 from vividc.cli.stages import printable_lines
 from vividc.compiler.passes import (
@@ -29,7 +30,12 @@ from vividc.ssa.text import parse as parse_function
 @click.command("opt")
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False), required=False)
 @click.option(
-    "--passes", default="", show_default=False, metavar="A,B,...", help="Run these, in this order."
+    "--passes",
+    default="",
+    show_default=False,
+    metavar="A,B,...",
+    help="Run these, in this order.",
+    shell_complete=completion.passes,
 )
 @click.option("--list", "listed", is_flag=True, help="List the stages and the passes, and stop.")
 @click.option(

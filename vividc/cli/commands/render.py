@@ -17,7 +17,7 @@ from rich.progress import Progress
 
 import vividc
 from vividc import arch
-from vividc.cli import options
+from vividc.cli import completion, options
 from vividc.cli.files import check_apart, check_output
 from vividc.cli.reports.frame import frame_body, print_frame
 from vividc.cli.reports.report import print_json, print_table
@@ -164,6 +164,7 @@ def _size(
     default="vivid",
     metavar="F",
     help="For --engine array: name of an accelerator, or a YAML file.",
+    shell_complete=completion.accelerator,
 )
 @click.option("-o", "--output", type=options.FILE, metavar="P.png", help="Write the picture.")
 @options.as_json

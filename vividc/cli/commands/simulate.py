@@ -10,7 +10,7 @@ import numpy as np
 
 import vividc
 from vividc.arch import Accelerator, load_accelerator
-from vividc.cli import options
+from vividc.cli import completion, options
 from vividc.cli.arrays import RETURN_KEY, Array, read_arguments, write_results
 from vividc.cli.files import check_apart, check_output
 from vividc.cli.reference import (
@@ -63,6 +63,7 @@ MISMATCH: Final = 5
     "--kernel",
     "source",
     metavar="FILE[:KERNEL]",
+    shell_complete=completion.kernel,
     help="The source that --check runs, if it is not the file that was compiled.",
 )
 @click.option("--rtol", type=float, callback=options.finite, default=1e-5, metavar="R")
@@ -86,6 +87,7 @@ MISMATCH: Final = 5
     metavar="F",
     help="An accelerator (vivid, vivid-unit, or a YAML file): spread loops over its tiles. "
     "[default: what P.vivid was compiled for]",
+    shell_complete=completion.accelerator,
 )
 @options.as_json
 def command(

@@ -10,7 +10,7 @@ from typing import Final
 import click
 
 from vividc import arch, dfg
-from vividc.cli import options
+from vividc.cli import completion, options
 from vividc.cli.reports.report import print_json
 from vividc.cli.say import say
 from vividc.errors import VividcError, printable, quoted
@@ -33,7 +33,12 @@ MISMATCH: Final = 5
 @click.option(
     "--dfg", "graph", type=options.FILE, metavar="DFG", help="Check against this graph instead."
 )
-@click.option("--fabric", metavar="F", help="Check against this fabric instead.")
+@click.option(
+    "--fabric",
+    metavar="F",
+    help="Check against this fabric instead.",
+    shell_complete=completion.fabric,
+)
 @options.as_json
 def command(mapping: Path, graph: Path | None, fabric: str | None, as_json: bool) -> None:
     """Check a file that `vividc map -o` wrote: mapping, bounds and what they prove.

@@ -1,5 +1,5 @@
 """What commands print.
 
-In order: `report` (JSON, tables, progress), `program`, `loop`, `energy`, `job`, `frame`, `views`
-(traces and pictures), `cycle_progress`.
+In order: `report` (JSON, tables, progress), `program`, `binds`, `loop`, `energy`, `job`, `frame`,
+`views` (traces and pictures), `cycle_progress`.
 """

@@ -13,7 +13,7 @@ import click
 
 from vividc.arch import Accelerator
 from vividc.arch.cost.tables import DEFAULT_TABLE, CostTable, load_costs
-from vividc.cli import options
+from vividc.cli import completion, options
 from vividc.cli.files import check_output
 from vividc.cli.reports.energy import print_energy
 from vividc.errors import VividcError
@@ -191,7 +191,10 @@ def view_options(command: Callable[..., _R]) -> Callable[..., _R]:
 _OPTIONS: Final = (
     click.option("--energy", is_flag=True, help="Report energy, from a cost table with sources."),
     click.option(
-        "--costs", metavar="TABLE", help=f"Cost table, by name or YAML file. [{DEFAULT_TABLE}]"
+        "--costs",
+        metavar="TABLE",
+        help=f"Cost table, by name or YAML file. [{DEFAULT_TABLE}]",
+        shell_complete=completion.costs,
     ),
     click.option(
         "--node",
