@@ -223,7 +223,7 @@ def _start_graph(trip: str) -> DFG:
 def region_report(region: GemmRegion) -> MapResult:
     """What is proved for this graph, with the loads of a column of B on one PE."""
     ii, depth = region.mapping.ii, region.layout.depth
-    least = depth + 2
+    least = depth + 1
     bound = Bound("ResMII", least, f"a PE at the edge issues {least} loads for a block")
     return MapResult(
         status="optimal" if ii == least else "feasible",

@@ -51,7 +51,7 @@ def test_sums_that_start_from_a_matrix_give_a_legal_mapping(
     region = gemm_region(array, Form(depth, relu, added=True))
     assert not list(check(region.dfg))
     assert violations(region.dfg, array.fabric, region.mapping) == []
-    assert region.mapping.ii == least_ii(array, depth, activated=relu, added=True)
+    assert region.mapping.ii == least_ii(array, Form(depth, relu, added=True))
 
 
 @pytest.mark.parametrize("relu", [False, True])
@@ -63,7 +63,7 @@ def test_packed_results_give_a_legal_mapping(results: Precision, depth: int, rel
         region = gemm_region(array, Form(depth, relu, "e4m3", results))
         assert not list(check(region.dfg))
         assert violations(region.dfg, array.fabric, region.mapping) == []
-        assert region.mapping.ii == least_ii(array, depth, activated=relu)
+        assert region.mapping.ii == least_ii(array, Form(depth, relu, "e4m3", results))
 
 
 def test_drains_that_cannot_pack_are_refused() -> None:
@@ -86,10 +86,27 @@ def test_other_latencies_give_legal_mappings(fma: int, load: int) -> None:
         assert violations(region.dfg, array.fabric, region.mapping) == []
 
 
-def test_a_block_takes_two_cycles_more_than_its_inner_dimension() -> None:
+def test_a_block_takes_a_cycle_more_than_its_inner_dimension() -> None:
     array = SystolicArray.of(arch.load("vivid-16x16"))
-    for depth in (32, 33, 64, 128, 150):
-        assert least_ii(array, depth, activated=True) == depth + 2
+    for depth in (35, 64, 128, 150):
+        assert least_ii(array, Form(depth, relu=True)) == depth + 1
+    assert least_ii(array, Form(32, relu=True)) == 34  # 32 of a drain's slots are taken
+
+
+def test_the_drains_of_a_word_share_its_work() -> None:
+    array = SystolicArray.of(arch.load("vivid-8x8"))
+    for depth, ii in ((1, 9), (8, 11), (9, 13), (12, 15), (15, 17), (16, 18)):
+        assert least_ii(array, Form(depth, True, "e4m3", "e4m3")) == ii
+    assert least_ii(array, Form(8)) == 11
+    assert least_ii(array, Form(8, True)) == 11
+
+
+@pytest.mark.parametrize("results", ["f32", "f16", "e4m3"])
+@pytest.mark.parametrize("depth", [8, 9, 16, 38])
+def test_places_that_other_pes_load_give_legal_mappings(results: Precision, depth: int) -> None:
+    array = SystolicArray.of(arch.load("vivid-8x8"))
+    region = gemm_region(array, Form(depth, results == "e4m3", "e4m3", results))
+    assert violations(region.dfg, array.fabric, region.mapping) == []
 
 
 def test_a_fabric_without_edges_is_refused() -> None:
@@ -99,6 +116,6 @@ def test_a_fabric_without_edges_is_refused() -> None:
 
 def test_an_inner_dimension_beyond_the_contexts_is_refused() -> None:
     array = SystolicArray.of(arch.load("vivid-8x8"))
-    plan(array, Form(508))
+    plan(array, Form(509))
     with pytest.raises(SystolicError, match="takes 511 contexts"):
-        plan(array, Form(509))
+        plan(array, Form(510))

@@ -31,7 +31,7 @@ from vividc.gemm.systolic.product import (
     plan,
     windows,
 )
-from vividc.gemm.systolic.schedule import SystolicSchedule, drain_slot, least_ii
+from vividc.gemm.systolic.schedule import SystolicSchedule, least_ii
 
 __all__ = [
     "BUFFER",
@@ -51,7 +51,6 @@ __all__ = [
     "SystolicSchedule",
     "base_name",
     "check_precision",
-    "drain_slot",
     "gemm_region",
     "lanes",
     "least_ii",

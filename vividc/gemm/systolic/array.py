@@ -113,6 +113,15 @@ class SystolicArray:
                 return f"PE {self.drain(col)} at its edge does not compare"
         return self._missing_multiplier()
 
+    @cached_property
+    def compares(self) -> bool:
+        """Whether all PEs that multiply compare, too."""
+        return all(
+            LatencyClass.COMPARE in self.fabric.pes[self.multiplier(row, col)].classes
+            for row in range(self.rows)
+            for col in range(self.cols)
+        )
+
     def missing_product(self, op: Opcode) -> str | None:
         """Why the PEs that multiply cannot do it with `op`; None: they can."""
         info = OPCODES[op]

@@ -7,7 +7,7 @@ over blocks of rows and of columns alike.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -101,9 +101,8 @@ def plan(
     depth, results = form.depth, form.results
     if depth < 1:
         raise SystolicError(f"an inner dimension of {depth}", hint="give 1 or more")
-    ii = least_ii(array, depth, activated=form.relu, added=form.added)
-    op = PRODUCTS[form.precision]
-    fault = array.missing_product(op)
+    ii = least_ii(array, form)
+    fault = array.missing_product(PRODUCTS[form.precision])
     if fault is not None:
         raise SystolicError(
             f"fabric {array.fabric.name} cannot multiply {form.precision}: {fault}",
@@ -117,7 +116,7 @@ def plan(
             loc=array.fabric.name,
             hint="choose the precision f32 for the next layer",
         )
-    schedule = SystolicSchedule(array, depth, ii, form.relu, op, lanes(results), form.added)
+    schedule = SystolicSchedule(array, form, ii)
     room = array.fabric.scratchpad.words if words is None else words
     layout = BlockLayout(array.rows, array.cols, depth, room)
     _demand_room(array, schedule, layout)
@@ -170,8 +169,8 @@ class _Construction:
         b = [self._column(j) for j in cols]
         count = self._schedule.lanes
         for first in cols[::count]:
-            where = Place(self._array.drain(first), self._schedule.place_c(first))
-            place = self._place(Stream.C, where)
+            loads = self._array.north if self._schedule.homes.north_c else self._array.drain
+            place = self._place(Stream.C, Place(loads(first), self._schedule.place_c(first)))
             for i in rows:
                 columns = cols[first : first + count]
                 totals = [self._accumulate(i, j, a[i], *b[j]) for j in columns]
@@ -190,15 +189,16 @@ class _Construction:
     def _column(self, j: int) -> tuple[list[Operand], list[Operand]]:
         """B(k, j) for all k, and what the sum of each row starts from."""
         pe = self._array.north(j)
-        place = self._place(Stream.B, Place(pe, self._schedule.place_b(j)))
+        loads = self._array.drain(j) if self._schedule.homes.drain_b else pe
+        place = self._place(Stream.B, Place(loads, self._schedule.place_b(j)))
         times = [self._schedule.load_b(j, k) for k in range(self._layout.depth)]
-        if not self._schedule.added:
+        if not self._schedule.form.added:
             times.append(self._schedule.load_start(0, j))
         made = [
             self._load(Stream.B, self._layout.b(j, k), place, Place(pe, time))
             for k, time in enumerate(times)
         ]
-        if not self._schedule.added:
+        if not self._schedule.form.added:
             return made[:-1], made[-1:] * self._layout.rows
         place = self._place(Stream.TABLE, Place(pe, self._schedule.place_start(j)))
         registers = range(self._array.fabric.pes[pe].registers)[::-1]
@@ -245,6 +245,9 @@ class _Construction:
             where = Place(pe, self._schedule.multiply(i, j, k))
             node = Node(0, self._schedule.op)
             total = self._add(node, [left, right, total], where, [east, south, kept])
+        if self._schedule.compares:
+            where = Place(pe, self._schedule.compare(i, j))
+            return self._activated(total, where, self._sum(i, j, where.time), "f32")
         return total
 
     def _leave(self, i: int, j: int, totals: list[Operand], place: Operand) -> None:
@@ -253,13 +256,19 @@ class _Construction:
         word, route = totals[0], self._northward(i, j)
         if len(totals) > 1:
             word, route = self._packed(i, j, totals)
-        if self._schedule.activated:
-            node = Node(0, LARGEST[self._results])
-            word = self._add(node, [word, self.builder.const(0)], where, [route])
-            where, route = Place(where.pe, where.time + 1), ()
+        elif self._schedule.late:
+            word, route = self._activated(word, where, route, "f32"), ()
+        where = Place(where.pe, self._schedule.store(i, j))
         base, offset = self._address(Stream.C, self._layout.c(i, j // len(totals)))
         node = Node(0, Opcode.STORE, name=BUFFER, offset=offset)
         self._add(node, [place, word], where, [self._held(place, where), route], base)
+
+    def _activated(
+        self, word: Operand, where: Place, route: tuple[Step, ...], form: Precision
+    ) -> Operand:
+        """max(x, 0) of a word."""
+        node = Node(0, LARGEST[form])
+        return self._add(node, [word, self.builder.const(0)], where, [route])
 
     def _packed(
         self, i: int, first: int, totals: list[Operand]
@@ -269,20 +278,37 @@ class _Construction:
         drains = [self._array.drain(first + lane) for lane in range(len(totals))]
         convert = self._array.latency(LatencyClass.CONVERT)
         come = [self._northward(i, first + lane) for lane in range(len(totals))]
-        for lane in range(0, len(totals), 2):
+        for lane in range(0, len(totals), 2 if not schedule.homes.early else 4):
             east = drains[lane : lane + 2]
             come[lane] += self._along(east, schedule.drain(i, first + lane) + 1)
         where = Place(drains[1], schedule.pack(i, first))
         word = self._add(Node(0, ops[0]), totals[:2], where, come[:2])
         if len(ops) > 1:
-            low = self._along(drains[1:], where.time + convert)
-            where = Place(drains[3], schedule.pack_high(i, first))
-            for lane in (2, 3):
-                waits = range(come[lane][-1].time + 1, where.time + 1)
-                come[lane] += tuple(Step("reg", where.pe, lane, time) for time in waits)
-            word = self._add(Node(0, ops[1]), [*totals[2:], word], where, [*come[2:], low])
-        west = drains[drains.index(where.pe) :: -1]
-        return word, self._along(west, where.time + convert)
+            last = 2 if schedule.homes.early else 3
+            where = Place(drains[last], schedule.pack_high(i, first))
+            come[3] += self._along(drains[3 : last - 1 : -1], schedule.drain(i, first + 3) + 1)
+            low = self._along(drains[1 : last + 1], schedule.pack(i, first) + convert)
+            # Words that wait for the last one: those of rows that meet in other registers.
+            bank = 2 * (2 * i // (schedule.ii - 1))
+            held = [
+                (*way, *self._waiting(where, way, register))
+                for register, way in enumerate((come[2], come[3], low), 2 * bank)
+            ]
+            word = self._add(Node(0, ops[1]), [*totals[2:], word], where, held)
+        end, time = drains.index(where.pe), where.time + convert
+        if not schedule.late:
+            return word, self._along(drains[end::-1], time)
+        # In passing, or on the drain that stores.
+        stop = 2 if len(ops) > 1 else 0
+        where = Place(drains[stop], schedule.activate(i, first))
+        way = self._along(drains[stop : end + 1][::-1], time)
+        word = self._activated(word, where, way, self._results)
+        return word, self._along(drains[stop::-1], where.time + 1)
+
+    @staticmethod
+    def _waiting(where: Place, way: tuple[Step, ...], register: int) -> Iterator[Step]:
+        times = range(way[-1].time + 1, where.time + 1)
+        return (Step("reg", where.pe, register, time) for time in times)
 
     def _address(self, stream: Stream, element: int) -> tuple[Operand, int]:
         """Base and offset of an element: the offset has fewer bits than the scratchpad."""
@@ -340,12 +366,18 @@ class _Construction:
         each register for the next before that iteration's word comes; as each stay is a cycle
         shorter than the II, no two moves share a slot.
         """
-        ready = self.places[word.node].time + self._array.latency(LatencyClass.LOAD)
+        home = self.places[word.node]
+        ready = home.time + self._array.latency(LatencyClass.LOAD)
+        way = () if home.pe == reader.pe else self._along([home.pe, reader.pe], ready)
+        if way and reader.time == ready:
+            return way
+        ready += len(way)
         registers = registers or range(self._array.fabric.pes[reader.pe].registers)
-        return tuple(
+        waits = (
             Step("reg", reader.pe, registers[(time - ready) // (self._schedule.ii - 1)], time)
             for time in range(ready, reader.time + 1)
         )
+        return (*way, *waits)
 
     def _start(self, i: int, j: int) -> tuple[Step, ...]:
         """What a sum starts from waits in the last register for the first FMA."""
@@ -356,13 +388,18 @@ class _Construction:
         return (*way, *(Step("reg", pe, register, time) for time in waits))
 
     def _kept(self, i: int, j: int, k: int) -> tuple[Step, ...]:
-        """The sum on its PE: from the output register, or where the next FMA comes a cycle later
-        through a register, each time another one: these words of several blocks meet.
+        """The sum on its PE: from the output register, or where the next FMA comes later through a
+        register, each time another one: these words of several blocks meet.
         """
-        fma = self._schedule.product_latency
-        start = self._schedule.multiply(i, j, k - 1) + fma
-        read = self._schedule.multiply(i, j, k)
+        return self._sum(i, j, self._schedule.multiply(i, j, k), k)
+
+    def _sum(self, i: int, j: int, read: int, k: int | None = None) -> tuple[Step, ...]:
+        """The sum up to FMA k, None: the whole one, until it is read."""
+        schedule = self._schedule
+        k = schedule.depth if k is None else k
+        start = schedule.multiply(i, j, k - 1) + schedule.product_latency
         if read == start:
             return ()
-        pe, register = self._array.multiplier(i, j), self._schedule.turn(k) - 1
+        register = schedule.waits[k] - 1 if k < schedule.depth else schedule.waits[k - 1]
+        pe = self._array.multiplier(i, j)
         return tuple(Step("reg", pe, register, time) for time in range(start, read + 1))

@@ -9,44 +9,175 @@ modulo the II.
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import gcd
+from itertools import accumulate, pairwise
+from typing import Final, NamedTuple
 
 from vividc.gemm.systolic.array import SystolicArray
+from vividc.gemm.systolic.precision import PRODUCTS, Form, lanes
 from vividc.machine.opcodes import OPCODES, LatencyClass, Opcode
 
+_FOUR: Final = 4
+"""Results of a word that has passed two drains more when it is stored."""
+_PASSED: Final = 2
+"""The column whose drain such words pass first."""
 
-def least_ii(array: SystolicArray, depth: int, *, activated: bool, added: bool = False) -> int:
-    """Least II of a block with inner dimension `depth`.
 
-    A PE issues `depth` FMAs a block, and a PE in the north as many loads, one of the bias and one
-    of the place where the block's columns of B lie; if sums are added to a matrix (`added`), one of
-    each of its rows instead of the bias, and one of their place. The bound of a drain is in
-    `drain_slot`.
+class Homes(NamedTuple):
+    """Which PEs do what several could."""
+
+    drain_b: bool = False
+    """The drain loads where a block of B lies and sends it north, where all slots are taken."""
+    north_c: bool = False
+    """The PE in the north loads where a block of C lies for its drain, which has no slot."""
+    early: bool = False
+    """PEs that multiply take max(x, 0) of their sums, and words of four are packed on the third
+    drain: each link carries one word of a row. Else drains take it, of words of four the third as
+    they pass from the last one to the first, and a link carries two.
     """
-    ii = max(depth + 1 + (array.rows + 1 if added else 1), array.rows, array.cols)
-    while drain_slot(array, ii, activated=activated) is None:
+
+
+_HOMES: Final = (
+    Homes(),
+    Homes(drain_b=True),
+    Homes(early=True),
+    Homes(north_c=True),
+    Homes(north_c=True, early=True),
+)
+"""The first one that is possible is taken."""
+
+
+def least_ii(array: SystolicArray, form: Form) -> int:
+    """Least II of a block of a product, in which its PEs have slots for all that they do."""
+    ii = max(form.depth + 1, array.rows, array.cols)
+    while homes(array, form, ii) is None:
         ii += 1
     return ii
 
 
-def drain_slot(array: SystolicArray, ii: int, *, activated: bool) -> int | None:
-    """Slot, counted from the first result, in which a drain loads the place of the block of C.
+def homes(array: SystolicArray, form: Form, ii: int) -> Homes | None:
+    """Which PEs do what at an II; None: their slots do not suffice."""
+    some = _HOMES[:1] if form.added else _HOMES
+    return next((one for one in some if _fits(array, form, ii, one)), None)
+
+
+def _fits(array: SystolicArray, form: Form, ii: int, some: Homes) -> bool:
+    # A PE in the north loads the words of B and the bias, or if sums are added to a matrix one of
+    # each of its rows and their place.
+    words = form.depth + (array.rows + 1 if form.added else 1)
+    count = lanes(form.results)
+    if words + (not some.drain_b) + some.north_c > ii:
+        return False
+    if count == _FOUR and not some.early and ii < 2 * array.rows:
+        return False
+    if some.early and form.relu and turns(array, form, ii) is None:
+        return False
+    return all(
+        drain_slots(array, ii, drain_ops(array, form, some, lane), _loads(some, lane)) is not None
+        for lane in range(count)
+    )
+
+
+def _loads(some: Homes, lane: int) -> int:
+    """Places that the drain of a column loads."""
+    return some.drain_b + (lane == 0 and not some.north_c)
+
+
+def turns(array: SystolicArray, form: Form, ii: int) -> Turns | None:
+    """When a PE that multiplies takes max(x, 0), too; None: its slots or registers do not suffice.
+
+    At most one operation of a PE completes in a cycle. So the sum's FMAs leave two slots: the one
+    of the comparison, and that of an FMA which would complete with it.
+    """
+    fma = array.latency(OPCODES[PRODUCTS[form.precision]].latency_class)
+    registers = array.fabric.pes[array.multiplier(0, 0)].registers
+    compare = array.latency(LatencyClass.COMPARE)
+    if not array.compares:
+        return None
+    found: list[Turns] = []
+    for slot in range(ii):
+        left = {slot, (slot + compare - fma) % ii}
+        if 0 in left:  # the first FMA's
+            continue
+        if form.depth + len(left) > ii:
+            return None
+        steps = steps_of(fma, form.depth, ii, left)
+        ready = steps[form.depth - 1] + fma
+        if waits_of(steps, fma)[form.depth] < registers - 1:
+            found.append(Turns(steps, ready + (slot - ready) % ii))
+    return min(found, key=lambda made: made.compare, default=None)
+
+
+class Turns(NamedTuple):
+    """Cycles of a PE that multiplies, from its first FMA of a block on."""
+
+    steps: tuple[int, ...]
+    """Of FMA k, and of slots that no FMA has."""
+    compare: int
+    """Of max(x, 0)."""
+
+
+def steps_of(fma: int, depth: int, ii: int, left: Collection[int] = ()) -> tuple[int, ...]:
+    """Cycles of FMAs: the least that give each a slot of its own, an FMA's latency or more apart;
+    of the `depth` first not those that are `left`. As many as the II has slots.
+    """
+    steps, used = [0], {0}
+    while len(steps) < ii:
+        time = steps[-1] + fma
+        while time % ii in used or (len(steps) < depth and time % ii in left):
+            time += 1
+        steps.append(time)
+        used.add(time % ii)
+    return tuple(steps)
+
+
+def waits_of(steps: Sequence[int], fma: int) -> tuple[int, ...]:
+    """How often a sum has waited longer than an FMA takes, up to each FMA."""
+    return (0, *accumulate(after - before > fma for before, after in pairwise(steps)))
+
+
+def drain_ops(array: SystolicArray, form: Form, some: Homes, lane: int) -> tuple[int, ...]:
+    """Latencies of what the drain of a column does with a row's result, cycle by cycle.
+
+    The first of a word's columns stores, the second packs, the last or the third packs what makes
+    words of four.
+    """
+    compare, convert = array.latency(LatencyClass.COMPARE), array.latency(LatencyClass.CONVERT)
+    store, four = array.latency(LatencyClass.STORE), lanes(form.results) == _FOUR
+    late = form.relu and not some.early
+    if lane == 0:
+        return (compare, store) if late and not four else (store,)
+    if lane == 1:
+        return (convert,)
+    if some.early:
+        return (convert,) if lane == _PASSED else ()
+    if lane == _PASSED:
+        return (compare,) if late else ()
+    return (convert,)
+
+
+def drain_slots(
+    array: SystolicArray, ii: int, ops: tuple[int, ...], loads: int
+) -> tuple[int, ...] | None:
+    """Slots, counted from the first result's, in which a drain loads places.
 
     Results of a column come 2 cycles apart: one for the skew of the rows, one for the link more.
-    Each is stored at once, or after its activation in the cycle after. None: no slot is free, or
-    results of two blocks meet.
+    None: so many slots are not free, or results of two blocks meet.
     """
-    last = 1 if activated else 0
-    taken = [(2 * i + n) % ii for i in range(array.rows) for n in range(last + 1)]
-    if len(set(taken)) < len(taken):
+    times = [(2 * i + n, latency) for i in range(array.rows) for n, latency in enumerate(ops)]
+    issued = {time % ii for time, _ in times}
+    completed = {(time + latency - 1) % ii for time, latency in times}
+    if min(len(issued), len(completed)) < len(times):
         return None
     done = array.latency(LatencyClass.LOAD) - 1
-    for slot in range(ii - 1, -1, -1):
-        if slot not in taken and (slot + done) % ii not in taken:
-            return slot
-    return None
+    free = [
+        slot
+        for slot in range(ii - 1, -1, -1)
+        if slot not in issued and (slot + done) % ii not in completed
+    ]
+    return tuple(free[:loads]) if len(free) >= loads else None
 
 
 @dataclass(frozen=True)
@@ -54,30 +185,64 @@ class SystolicSchedule:
     """Issue cycles of one block; `i` is a row, `j` a column, `k` an inner index."""
 
     array: SystolicArray
-    depth: int
+    form: Form
     ii: int
-    activated: bool
-    op: Opcode = Opcode.FMA
-    lanes: int = 1
-    """Results to a word: 1, 2 or 4, of neighbouring columns."""
-    added: bool = False
-    """Whether sums start from the elements of a matrix, not from a bias."""
+
+    @property
+    def depth(self) -> int:
+        """Inner indices, in words."""
+        return self.form.depth
+
+    @property
+    def op(self) -> Opcode:
+        """What adds a word's products to a sum."""
+        return PRODUCTS[self.form.precision]
+
+    @cached_property
+    def lanes(self) -> int:
+        """Results to a word: 1, 2 or 4, of neighbouring columns."""
+        return lanes(self.form.results)
+
+    @cached_property
+    def homes(self) -> Homes:
+        """Which PEs do what."""
+        found = homes(self.array, self.form, self.ii)
+        assert found is not None
+        return found
 
     @cached_property
     def product_latency(self) -> int:
         """Cycles of what adds to a sum."""
         return self.array.latency(OPCODES[self.op].latency_class)
 
+    @cached_property
+    def _turns(self) -> Turns:
+        if self.compares:
+            found = turns(self.array, self.form, self.ii)
+            assert found is not None
+            return found
+        return Turns(steps_of(self.product_latency, self.depth, self.ii), 0)
+
+    @property
+    def compares(self) -> bool:
+        """Whether PEs that multiply take max(x, 0)."""
+        return self.form.relu and self.homes.early
+
+    @property
+    def late(self) -> bool:
+        """Whether drains take max(x, 0)."""
+        return self.form.relu and not self.homes.early
+
     def step(self, k: int) -> int:
-        """Cycles from a PE's first FMA of a block to its FMA k: the least that give each k a slot
-        of its own, an FMA's latency or one cycle more apart. Those of `depth` and more are slots
+        """Cycles from a PE's first FMA of a block to its FMA k; those of `depth` and more are slots
         that no FMA has.
         """
-        return self.product_latency * k + self.turn(k)
+        return self._turns.steps[k]
 
-    def turn(self, k: int) -> int:
-        """How often the steps of an FMA's latency have come round to a slot in use before FMA k."""
-        return k // (self.ii // gcd(self.product_latency, self.ii))
+    @cached_property
+    def waits(self) -> tuple[int, ...]:
+        """How often the sum has waited longer than an FMA takes, up to each FMA."""
+        return waits_of(self._turns.steps, self.product_latency)
 
     def multiply(self, i: int, j: int, k: int) -> int:
         """A(i, k) and B(k, j) are on the PE's incoming links in this cycle."""
@@ -97,15 +262,14 @@ class SystolicSchedule:
 
     def place_b(self, j: int) -> int:
         """As `place_a`, before the bias."""
-        return self.load_b(j, 0) - self._place_lead
+        return self.load_b(j, 0) - self._place_b_lead(j % self.lanes)
 
     def place_c(self, j: int) -> int:
         """As `place_a`, before the first result is stored."""
-        first = self.leave(0, j)
-        slot = drain_slot(self.array, self.ii, activated=self.activated)
-        assert slot is not None
-        latest = first + self.activated - self._load
-        return latest - (latest - first - slot) % self.ii
+        before = self.store(0, j) - self._load
+        if self.homes.north_c:
+            return self._latest(before, self.load_b(j, 0) + self.step(self.depth + 2))
+        return self._latest(before, self.leave(0, j) + self._drain_slots(0)[0])
 
     def place_start(self, j: int) -> int:
         """As `place_a`, before the first of what the sums of column j start from."""
@@ -119,8 +283,13 @@ class SystolicSchedule:
 
     def result(self, i: int, j: int) -> int:
         """The result is in the output register, and on the link to the north."""
-        fma = self.product_latency
-        return self.multiply(i, j, self.depth - 1) + fma
+        if self.compares:
+            return self.compare(i, j) + self.array.latency(LatencyClass.COMPARE)
+        return self.multiply(i, j, self.depth - 1) + self.product_latency
+
+    def compare(self, i: int, j: int) -> int:
+        """The PE that multiplies takes max(x, 0) of its sum."""
+        return self.multiply(i, j, 0) + self._turns.compare
 
     def drain(self, i: int, j: int) -> int:
         """The result is on the link to the drain of column j."""
@@ -131,8 +300,18 @@ class SystolicSchedule:
         return self.drain(i, j) + 1
 
     def pack_high(self, i: int, j: int) -> int:
-        """Columns j + 2 and j + 3 join that word on the last drain, two links east."""
+        """Columns j + 2 and j + 3 join that word on the last drain, two links east, or on the one
+        before, as the last column's result has come there.
+        """
         return self.pack(i, j) + self._convert + 1
+
+    def activate(self, i: int, j: int) -> int:
+        """max(x, 0) of the word of columns j, ...: of four results, on the third's drain."""
+        return self.pack_high(i, j) + self._convert if self.lanes == _FOUR else self.leave(i, j)
+
+    def store(self, i: int, j: int) -> int:
+        """The word of columns j, ... is stored."""
+        return self.leave(i, j) + (self.late and self.lanes < _FOUR)
 
     def leave(self, i: int, j: int) -> int:
         """The word of columns j, ... is on drain j; j is a multiple of `lanes`.
@@ -143,15 +322,14 @@ class SystolicSchedule:
         made = {
             1: self.drain(i, j),
             2: self.pack(i, j) + self._convert,
-            4: self.pack_high(i, j) + self._convert + 2,
+            4: self.pack_high(i, j) + self._convert + (1 if self.homes.early else 2),
         }
         return made[self.lanes]
 
     @cached_property
     def span(self) -> int:
         """Cycles from a block's first load to its last store."""
-        last = self.leave(self.array.rows - 1, self.array.cols - self.lanes)
-        return last + self.activated + 1
+        return self.store(self.array.rows - 1, self.array.cols - self.lanes) + 1
 
     @cached_property
     def _convert(self) -> int:
@@ -161,8 +339,38 @@ class SystolicSchedule:
     def _load(self) -> int:
         return self.array.latency(LatencyClass.LOAD)
 
+    def _latest(self, time: int, slot: int) -> int:
+        """The latest cycle up to `time` in a slot."""
+        return time - (time - slot) % self.ii
+
+    def _drain_slots(self, lane: int) -> tuple[int, ...]:
+        ops = drain_ops(self.array, self.form, self.homes, lane)
+        slots = drain_slots(self.array, self.ii, ops, _loads(self.homes, lane))
+        assert slots is not None
+        return slots
+
+    def _place_b_lead(self, lane: int) -> int:
+        """Cycles from the load of a place to that of the first word, on the drain of a lane; of no
+        account is when the block begins.
+        """
+        if not self.homes.drain_b:
+            return self._place_lead
+        convert = self._convert
+        # From the first result of the lane's column to what its drain first does.
+        waits = {
+            1: (0,),
+            2: (1 + convert, 0),
+            4: (4 + 2 * convert, 0, 2 * convert, convert - 1),
+        }[self.lanes][lane]
+        # Counted from the column's first FMA; so the drain loads only if drains take max(x, 0).
+        first = self.step(self.depth - 1) + self.product_latency + waits
+        word = -self._load - 1
+        latest = word - self._longest_lead - self._load
+        return word - self._latest(latest, first + self._drain_slots(lane)[-1])
+
     def _lead(self, i: int) -> int:
-        return self.ii - self.step(self.depth + 1 + (i if self.added else 0)) % self.ii
+        first = self.depth + (not self.homes.drain_b)
+        return self.ii - self.step(first + (i if self.form.added else 0)) % self.ii
 
     @cached_property
     def _longest_lead(self) -> int:
@@ -170,7 +378,7 @@ class SystolicSchedule:
 
     @cached_property
     def _place_lead(self) -> int:
-        latest = (0 if self.added else -self._longest_lead) - self._load
+        latest = (0 if self.form.added else -self._longest_lead) - self._load
         return (latest - self.step(self.depth)) % self.ii - latest
 
     @cached_property
@@ -181,7 +389,11 @@ class SystolicSchedule:
     @cached_property
     def _origin(self) -> int:
         """PE (0, 0)'s first FMA: early enough that nothing is issued before cycle 0."""
-        lead = max(self._place_lead, self._start_lead if self.added else 0)
+        lead = max(
+            self._place_lead,
+            self._start_lead if self.form.added else 0,
+            *map(self._place_b_lead, range(self.lanes)),
+        )
         fed = self._load + 1 + lead
         drained = self.ii + self._load - self.step(self.depth - 1)
         return max(fed, drained)
