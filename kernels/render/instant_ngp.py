@@ -16,6 +16,8 @@ from vividc import lang
 ONE = np.float32(1.0)
 LARGEST = np.float32(80.0)
 TWO = np.uint32(2)
+UPPER = np.uint32(0x3C000000)
+"""0 and 1 as float16: the products with a word of finite numbers add up to the upper one."""
 
 # Degree 4 (16 values) in the order and signs of tiny-cuda-nn.
 Y0 = np.float32(0.28209479177387814)
@@ -51,22 +53,29 @@ def word(a, b, c, d, scale):
     return lang.pack_fp8(a * scale, b * scale, c * scale, d * scale)
 
 
+@njit
+def halves(word):
+    """Two float16 in a word."""
+    return np.float32(lang.fp16_from_bits(word)), lang.dot_fp16(word, UPPER, np.float32(0))
+
+
 @vividc.kernel(
-    "void(float32[:, :, ::1], float32, float32, float32, float32[:, ::1], uint32[:, :, ::1])"
+    "void(uint32[:, :, ::1], float32, float32, float32, float32[:, ::1], uint32[:, :, ::1])"
 )
 def density_fp8(x, limit, step, scale, thickness, features):
-    """As `density`; outputs, a multiple of four, times `scale`, four to a word."""
+    """As `density`, of words of two float16; outputs, a multiple of four, times `scale`, become
+    float8, four to a word.
+    """
     for block in range(x.shape[0]):
         for sample in range(16):
             for k in range(features.shape[2]):
-                a = x[block, 4 * k, sample]
-                b = x[block, 4 * k + 1, sample]
-                c = x[block, 4 * k + 2, sample]
-                d = x[block, 4 * k + 3, sample]
+                a, b = halves(x[block, 2 * k, sample])
+                c, d = halves(x[block, 2 * k + 1, sample])
                 features[block, sample, k] = word(a, b, c, d, scale)
     for block in range(x.shape[0]):
         for sample in range(16):
-            thickness[block, sample] = math.exp(min(x[block, 0, sample], limit)) * step
+            first = np.float32(lang.fp16_from_bits(x[block, 0, sample]))
+            thickness[block, sample] = math.exp(min(first, limit)) * step
 
 
 @njit
@@ -153,11 +162,27 @@ def colour_inputs_fp8(features, seen, out):
                 out[block, k + 4, sample] = features[block, sample, k]
 
 
+@njit
+def sigmoid(x):
+    return ONE / (ONE + math.exp(min(max(-x, -LARGEST), LARGEST)))
+
+
 @vividc.kernel("void(float32[:, :, ::1], float32[:, :, ::1])")
 def colour(x, out):
     """Sigmoids of the first three outputs."""
     for block in range(x.shape[0]):
         for sample in range(16):
             for channel in range(3):
-                exponent = min(max(-x[block, channel, sample], -LARGEST), LARGEST)
-                out[block, sample, channel] = ONE / (ONE + math.exp(exponent))
+                out[block, sample, channel] = sigmoid(x[block, channel, sample])
+
+
+@vividc.kernel("void(uint32[:, :, ::1], float32[:, :, ::1])")
+def colour_fp8(x, out):
+    """As `colour`, of words of two float16."""
+    for block in range(x.shape[0]):
+        for sample in range(16):
+            red, green = halves(x[block, 0, sample])
+            out[block, sample, 0] = sigmoid(red)
+            out[block, sample, 1] = sigmoid(green)
+            blue = np.float32(lang.fp16_from_bits(x[block, 1, sample]))
+            out[block, sample, 2] = sigmoid(blue)

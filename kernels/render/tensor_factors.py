@@ -368,16 +368,13 @@ def put_numbers(features, directions, scale, out):
     for block in range(out.shape[0]):
         for k in range(6):
             for sample in range(16):
-                a = features[block, 4 * k, sample]
-                b = features[block, 4 * k + 1, sample]
-                c = features[block, 4 * k + 2, sample]
-                d = features[block, 4 * k + 3, sample]
+                a, b = halves(features[block, 2 * k, sample])
+                c, d = halves(features[block, 2 * k + 1, sample])
                 out[block, 30 + k, sample] = word(a, b, c, d, scale)
     for block in range(out.shape[0]):
         for sample in range(16):
-            a = features[block, 24, sample]
-            b = features[block, 25, sample]
-            c = features[block, 26, sample]
+            a, b = halves(features[block, 12, sample])
+            c = np.float32(lang.fp16_from_bits(features[block, 13, sample]))
             x = directions[block, sample, 0]
             y = directions[block, sample, 1]
             z = directions[block, sample, 2]
@@ -385,16 +382,20 @@ def put_numbers(features, directions, scale, out):
             out[block, 37, sample] = word(y, z, ZERO, ZERO, scale)
 
 
-@vividc.kernel("void(float32[:, :, ::1], float32[:, :, ::1], float32, uint32[:, :, ::1])")
+@vividc.kernel("void(uint32[:, :, ::1], float32[:, :, ::1], float32, uint32[:, :, ::1])")
 def colour_inputs_fp8(features, directions, scale, out):
-    """`colour_inputs` times `scale`, four to a word: the waves of one feature or axis, then the
-    features and the direction.
+    """`colour_inputs` of words of two float16, times `scale`, four to a word: the waves of one
+    feature or axis, then the features and the direction.
     """
     for block in range(out.shape[0]):
-        for k in range(27):
+        for k in range(14):
             for sample in range(16):
-                t = waves_fp8(features[block, k, sample])
-                out[block, k, sample] = word(t[0], t[1], t[2], t[3], scale)
+                # Behind the last feature is a 0, whose word the first axis takes below.
+                a, b = halves(features[block, k, sample])
+                t = waves_fp8(a)
+                out[block, 2 * k, sample] = word(t[0], t[1], t[2], t[3], scale)
+                t = waves_fp8(b)
+                out[block, 2 * k + 1, sample] = word(t[0], t[1], t[2], t[3], scale)
     for block in range(out.shape[0]):
         for axis in range(3):
             for sample in range(16):

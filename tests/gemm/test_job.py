@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -12,6 +13,8 @@ from tests.marks import with_slow
 from vividc import arch
 from vividc.errors import ArchError, ArgumentError
 from vividc.gemm import Layer, LayerShape, gemm, mlp, mlp_job
+from vividc.gemm.modes import MODES
+from vividc.gemm.packed import packed
 from vividc.gemm.passes import lay_out, units, with_arrays
 from vividc.gemm.systolic import Precision, SystolicError
 from vividc.launch import Job
@@ -121,6 +124,25 @@ def test_results_leave_the_array_packed(precision: Precision) -> None:
     assert run.job.stats["stalls"]["bank"] == 0
 
 
+def test_the_last_results_leave_as_words() -> None:
+    x, depth = random(100, 40), 8  # words, whose drains and PEs that multiply share the work
+    made = [
+        Layer(random(40, 32), random(32), "relu", "e4m3"),
+        Layer(random(32, 19), random(19), "none", "e4m3", "f16"),
+    ]
+    assert made[1].shape.words == depth
+    plain = [made[0], replace(made[1], results="f32")]
+    for mode in MODES:
+        exact = packed(mlp_job(x, plain, mode=mode).values, "f16")
+        run = mlp_job(x, made, mode=mode)
+        assert run.values.tobytes() == exact.tobytes()
+        assert run.job.stats["stalls"]["bank"] == 0
+    with pytest.raises(ArgumentError, match="the results of layer 0 cannot be f16"):
+        mlp_job(x, [replace(made[0], results="f16"), made[1]])
+    with pytest.raises(ArgumentError, match="results of mlp are f32"):
+        mlp(x, [replace(made[0], results="f16")])
+
+
 def test_results_that_the_tiles_change_are_packed_there() -> None:
     x = random(100, 5)
     first = Layer(random(5, 7), random(7), "exp", "f16")
@@ -175,5 +197,5 @@ def test_mistakes_are_told() -> None:
     for empty, none in ((random(0, 5), random(5, 2)), (x, random(5, 0))):
         with pytest.raises(SystolicError, match="nothing to compute"):
             mlp_job(empty, [Layer(none)])
-    with pytest.raises(SystolicError, match="takes 602 contexts"):
+    with pytest.raises(SystolicError, match="takes 601 contexts"):
         lay_out(10, [LayerShape(600, 3)], "tpu-unified", VIVID)

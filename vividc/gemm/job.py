@@ -18,7 +18,7 @@ from vividc.gemm.packed import packed
 from vividc.gemm.packing import pack_steps
 from vividc.gemm.passes import Layout, Pass, lay_out, units, with_arrays
 from vividc.gemm.program import LINE
-from vividc.gemm.systolic import BUFFER, GROUP_BYTES, Stream, SystolicArray
+from vividc.gemm.systolic import BUFFER, GROUP_BYTES, Stream, SystolicArray, lanes
 from vividc.launch import At, Job, JobResult
 from vividc.launch.turns import Turns
 from vividc.program import WORD_BYTES, Program
@@ -35,7 +35,7 @@ class MlpRun:
     Attributes
     ----------
     values
-        float32 [rows, outputs of the last layer].
+        float32 [rows, outputs of the last layer]; words, if these are packed.
     job
         The account: cycles with transfers and configuration, statistics, events.
     mode
@@ -105,7 +105,8 @@ def mlp_job(
     work = x.shape[0] * sum(layer.weights.size for layer in layers)
     array = layout.passes[0].chain.array
     pes = layout.arrays * array.rows * array.cols
-    matrix = matrix_of(values, x.shape[0], layers[-1].shape.cols)
+    last = layers[-1].shape
+    matrix = matrix_of(values, x.shape[0], -(-last.cols // lanes(last.results)))
     return MlpRun(matrix, result, layout.mode, reason, work / (result.cycles * pes))
 
 

@@ -49,20 +49,23 @@ class Layer:
     bias
         float32 [outputs]; None: zeros.
     precision
-        Format that inputs and weights are rounded to; sums, bias and results are float32.
+        Format that inputs and weights are rounded to; sums and bias are float32.
+    results
+        Format of what `mlp_job` leaves of the last layer: of 16 or 8 bits, neighbours share a word.
     """
 
     weights: Matrix
     bias: Matrix | None = None
     activation: Activation = "none"
     precision: Precision = "f32"
+    results: Precision = "f32"
 
     @property
     def shape(self) -> LayerShape:
         """Sizes of the layer."""
         depth, cols = self.weights.shape
         relu, ends = self.activation == "relu", self.apart is not None
-        return LayerShape(depth, cols, relu, ends, self.precision)
+        return LayerShape(depth, cols, relu, ends, self.precision, self.results)
 
     @property
     def apart(self) -> Apart | None:
@@ -148,6 +151,8 @@ def mlp(
                 f"layer {number} takes {layer.precision}, and what the layer before writes is f32",
                 hint="mlp_job packs it on the tiles",
             )
+    if layers[-1].results != "f32":
+        raise ArgumentError("results of mlp are f32", hint="mlp_job packs them")
     chosen = choose(x.shape[0], [layer.shape for layer in layers], mode).chosen
     name, arrays = FABRICS[chosen.mode]
     share = -(-x.shape[0] // arrays)
@@ -263,6 +268,12 @@ def check_layers(
     for number, layer in enumerate(layers):
         name = f"layer {number}"
         check_precision(layer.precision)
+        packs = check_precision(layer.results) != "f32"
+        if packs and (layer.apart is not None or layer is not layers[-1]):
+            raise ArgumentError(
+                f"the results of {name} cannot be {layer.results}",
+                hint="those of a last layer can, with none or relu behind it",
+            )
         _check_array(f"the weights of {name}", layer.weights, 2)
         if layer.weights.shape[0] != columns:
             raise ArgumentError(

@@ -59,7 +59,7 @@ class Choice:
 class LayerShape:
     """Sizes of one layer: its inner dimension, its outputs, and whether max(x, 0) follows; whether
     something follows that the array cannot do, so that its results leave the scratchpad; the format
-    of its operands.
+    of its operands, and that of the last layer's results.
     """
 
     depth: int
@@ -67,6 +67,7 @@ class LayerShape:
     relu: bool = False
     ends: bool = False
     precision: Precision = "f32"
+    results: Precision = "f32"
 
     @property
     def words(self) -> int:

@@ -161,9 +161,9 @@ def lay_out(
 
 def results_of(shapes: Sequence[LayerShape]) -> list[Precision]:
     """The format in which the arrays store each layer's results: that of the next one's operands,
-    but float32 where something follows on the tiles.
+    of the last one that which is asked for, but float32 where something follows on the tiles.
     """
-    behind: list[Precision] = [*(shape.precision for shape in shapes[1:]), "f32"]
+    behind: list[Precision] = [*(shape.precision for shape in shapes[1:]), shapes[-1].results]
     return ["f32" if s.ends else results for s, results in zip(shapes, behind, strict=True)]
 
 

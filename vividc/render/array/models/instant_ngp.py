@@ -110,9 +110,7 @@ class InstantNGPField(ModelField):
         by_ray = self._encoded(directions, ledger) if self._is_fp8 else directions
         for place, (blocks, chosen) in batches(_BATCH, features, rays[:, None]):
             inputs = make(blocks, chosen.reshape(-1, SAMPLES), by_ray, ledger)
-            x = self._colour_network.run(self._device, ledger, "colour network", inputs)
-            stage = BlockMap("render/instant_ngp:colour", {"x": x}, {"out": rgb[place]})
-            stage.run(self._device, ledger, "colour")
+            self._colour_network.colours(self._device, ledger, inputs, rgb[place])
         return rgb.reshape(-1, _CHANNELS)[:count]
 
     def _density(
@@ -137,6 +135,7 @@ class InstantNGPField(ModelField):
         if self._is_fp8:
             scalars["scale"] = self._colour_network.scale
             made["features"] = features.view(np.uint32)
+            outputs = outputs.view(np.uint32)
             kernel += "_fp8"
         BlockMap(kernel, {"x": outputs}, made, scalars=scalars).run(device, ledger, "density")
 

@@ -126,12 +126,12 @@ class TensoRFField(ModelField):
             ledger,
             "position encoding",
             "render/tensor_factors:colour_inputs",
-            {"features": features, "directions": directions},
+            {
+                "features": features.view(np.uint32) if self._is_fp8 else features,
+                "directions": directions,
+            },
         )
-        outputs = self._colour_network.run(device, ledger, "colour network", inputs)
-        BlockMap(
-            kernel="render/instant_ngp:colour", inputs={"x": outputs}, outputs={"out": rgb}
-        ).run(device, ledger, "colour")
+        self._colour_network.colours(device, ledger, inputs, rgb)
 
 
 def _by_words() -> npt.NDArray[np.int64]:

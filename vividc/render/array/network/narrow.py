@@ -33,7 +33,8 @@ class Network:
     layers
         In float32, as they are.
     precision
-        Of all layers' operands; sums and outputs are float32.
+        Of all layers' operands; sums are float32, and so are outputs, but with fp8, which leaves
+        float16, two to a word.
     narrow
         The layers with weights and biases scaled for the format; none for fp32.
     scale
@@ -116,7 +117,7 @@ class Network:
         return self.rounded(device, ledger, "rounding", features)
 
     def run(self, device: Device, ledger: Ledger, stage: str, inputs: Float32Array) -> Float32Array:
-        """Return the last layer's outputs, float32 [B, outputs, 16].
+        """Return the last layer's outputs, float32 [B, outputs, 16]; of fp8 words of two float16.
 
         Raises
         ------
@@ -132,9 +133,19 @@ class Network:
         if not self.narrow:
             return run_network(device, ledger, stage, self.layers, inputs)
         if not len(inputs):
-            return np.zeros((0, self.layers[-1].outputs, SAMPLES), dtype=np.float32)
+            words = FORMATS[self.narrow[-1].results].lanes if self.precision == "fp8" else 1
+            outputs = -(-self.layers[-1].outputs // words)
+            return np.zeros((0, outputs, SAMPLES), dtype=np.float32)
         mode = self._mode(device, len(inputs) * SAMPLES)
         return run_systolic(device, ledger, stage, self.narrow, inputs, mode, words=True)
+
+    def colours(self, device: Device, ledger: Ledger, inputs: Float32Array, rgb: Words) -> None:
+        """Put sigmoids of the first three outputs into `rgb`, [B, 16, 3]."""
+        x: Words = self.run(device, ledger, "colour network", inputs)
+        kernel = "render/instant_ngp:colour"
+        if self.precision == "fp8":
+            kernel, x = f"{kernel}_fp8", x.view(np.uint32)
+        BlockMap(kernel, {"x": x}, {"out": rgb}).run(device, ledger, "colour")
 
     def check(self, device: Device) -> None:
         """Refuse a device that cannot run the network, before there are inputs.
@@ -181,6 +192,7 @@ def network(
             np.ldexp(layer.bias[0], before + factor),
             "relu" if layer.relu else "none",
             fmt,
+            "f16" if precision == "fp8" and layer is layers[-1] else "f32",
         )
         for layer, before, factor in zip(layers, inputs, factors, strict=True)
     )
