@@ -26,63 +26,102 @@ def in_cells(points, box, i, axis, count):
     return place, np.int32(min(max(np.int32(np.floor(place)), 0), count - 1))
 
 
-@vividc.kernel("void(float32[:, ::1], float32[::1], int32[:, :, ::1], int32[::1], float32[:, ::1])")
-def cells(points, box, networks, chosen, local):
-    """Network of each point (-1: none), and its place in that network's cell, -1 to 1.
+@numba.njit
+def number_of(points, box, grid, i):
+    """Number of the cell that a point is in, the last axis innermost."""
+    _, x = in_cells(points, box, i, 0, grid[0])
+    _, y = in_cells(points, box, i, 1, grid[1])
+    _, z = in_cells(points, box, i, 2, grid[2])
+    return (x * grid[1] + y) * grid[2] + z
 
-    `box` is the lowest corner and the extent.
+
+@vividc.kernel("void(float32[:, ::1], float32[::1], int32[::1], int32[::1])")
+def cell_numbers(points, box, grid, numbers):
+    """Number of the cell of each point in a `grid` of cells. `box` is the lowest corner and the
+    extent.
     """
     for i in prange(points.shape[0]):
-        x, cx = in_cells(points, box, i, 0, networks.shape[0])
-        y, cy = in_cells(points, box, i, 1, networks.shape[1])
-        z, cz = in_cells(points, box, i, 2, networks.shape[2])
-        chosen[i] = networks[np.uint32(cx), np.uint32(cy), np.uint32(cz)]
-        local[i, 0] = (x - np.float32(cx)) * TWO - ONE
-        local[i, 1] = (y - np.float32(cy)) * TWO - ONE
-        local[i, 2] = (z - np.float32(cz)) * TWO - ONE
+        numbers[i] = number_of(points, box, grid, i)
 
 
-@vividc.kernel("void(float32[:, ::1], float32[::1], int32[::1], int32[::1], float32[:, ::1])")
-def cell_numbers(points, box, grid, numbers, local):
-    """As `cells`, of a `grid` of cells that no scratchpad holds: the number of each point's cell,
-    the last axis innermost, instead of its network.
-    """
-    for i in prange(points.shape[0]):
-        x, cx = in_cells(points, box, i, 0, grid[0])
-        y, cy = in_cells(points, box, i, 1, grid[1])
-        z, cz = in_cells(points, box, i, 2, grid[2])
-        numbers[i] = (cx * grid[1] + cy) * grid[2] + cz
-        local[i, 0] = (x - np.float32(cx)) * TWO - ONE
-        local[i, 1] = (y - np.float32(cy)) * TWO - ONE
-        local[i, 2] = (z - np.float32(cz)) * TWO - ONE
-
-
-@vividc.kernel("void(int32[::1], int32, int32, int32[::1], int32[::1], int32[::1], int32[::1])")
-def sort_by_network(networks, low, first, starts, cursors, order, places):
-    """Counting sort of a chunk's samples by network, those without one (-1) first; stable.
-
-    Only samples of the networks `low`, `low` + 1, ... are placed, as many networks as `starts` has
-    elements but two. `starts[k]` is where network `low` + k starts, its last element nothing;
-    `order` lists the samples in that order, and `places` says where each went, both counted from
-    `first`. `cursors` is room to work in.
-    """
+@numba.njit
+def count_networks(points, box, grid, networks, known, low, chosen, starts, cursors):
+    """Where the samples of each network begin in a chunk, as `group_places` says."""
+    if known == 0:
+        for i in range(points.shape[0]):
+            chosen[i] = networks[np.uint32(number_of(points, box, grid, i))]
     last = np.int32(len(starts) - 1)
     for k in range(len(starts)):
         starts[k] = 0
-    for i in range(len(networks)):
-        starts[min(max(networks[i] - low + 1, 0), last)] += 1
+    for i in range(points.shape[0]):
+        starts[np.uint32(min(max(chosen[i] - low + 1, 0), last))] += 1
     total = np.int32(0)
     for k in range(len(starts)):
         total += starts[k]
         starts[k] = total
         cursors[k] = total
-    for i in range(len(networks)):
-        slot = networks[i] - low
+
+
+@vividc.kernel(
+    "void(float32[:, ::1], float32[::1], int32[::1], int32[::1], int32, int32, int32, int32[::1],"
+    " int32[::1], int32[::1], int32[::1], float32[:, ::1])"
+)
+def group_places(
+    points, box, grid, networks, known, low, first, chosen, starts, cursors, places, local
+):
+    """Counting sort of a chunk's samples by network, those without one (-1) first; stable.
+
+    `local` gets their places in their networks' cells, -1 to 1, in that order, and `places` where
+    each sample went, counted from `first`. The network of each of the `grid`'s cells is in
+    `networks`; or each point's is `known`, in `chosen`.
+
+    Only samples of the networks `low`, `low` + 1, ... are placed, as many networks as `starts` has
+    elements but two. `starts[k]` is where network `low` + k starts, its last element nothing.
+    `chosen` and `cursors` are room to work in.
+    """
+    count_networks(points, box, grid, networks, known, low, chosen, starts, cursors)
+    last = np.int32(len(starts) - 1)
+    for i in range(points.shape[0]):
+        slot = chosen[i] - low
+        x, cx = in_cells(points, box, i, 0, grid[0])
+        y, cy = in_cells(points, box, i, 1, grid[1])
+        z, cz = in_cells(points, box, i, 2, grid[2])
         if slot >= 0 and slot < last - 1:
-            place = cursors[slot]
-            cursors[slot] = place + 1
-            order[place] = first + i
-            places[i] = first + place
+            place = np.uint32(cursors[slot])
+            cursors[slot] = np.int32(place) + 1
+            places[i] = first + np.int32(place)
+            local[place, 0] = (x - np.float32(cx)) * TWO - ONE
+            local[place, 1] = (y - np.float32(cy)) * TWO - ONE
+            local[place, 2] = (z - np.float32(cz)) * TWO - ONE
+
+
+@vividc.kernel(
+    "void(float32[:, ::1], float32[::1], int32[::1], int32[::1], int32, int32, int32, int32[::1],"
+    " int32[::1], int32[::1], int32[::1], int32[::1], int32[::1], int32[::1], int32[::1])"
+)
+def group_numbers(
+    points, box, grid, networks, known, low, first, chosen, starts, cursors, places,
+    rows, rays, sorted_rows, sorted_rays,
+):  # fmt: skip
+    """As `group_places`, of two numbers of each sample."""
+    count_networks(points, box, grid, networks, known, low, chosen, starts, cursors)
+    last = np.int32(len(starts) - 1)
+    for i in range(points.shape[0]):
+        slot = chosen[i] - low
+        if slot >= 0 and slot < last - 1:
+            place = np.uint32(cursors[slot])
+            cursors[slot] = np.int32(place) + 1
+            places[i] = first + np.int32(place)
+            sorted_rows[place] = rows[i]
+            sorted_rays[place] = rays[i]
+
+
+@vividc.kernel("void(float32[:, ::1], int32[::1], int32, float32[:, ::1])")
+def ungroup(grouped, places, first, out):
+    """A chunk's rows where they were: each from its place, counted from `first`."""
+    for column in range(out.shape[1]):
+        for i in range(out.shape[0]):
+            out[i, column] = grouped[np.uint32(places[i] - first), column]
 
 
 @numba.njit

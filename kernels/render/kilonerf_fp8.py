@@ -77,17 +77,24 @@ def ten_octaves(x):
     return w0, w1, pack_fp8(s4, c4, s5, c5), pack_fp8(s6, c6, s7, c7), pack_fp8(s8, c8, s9, c9)
 
 
-@vividc.kernel("void(float32[:, ::1], uint32[:, ::1], uint32[:, ::1])")
+@numba.njit
 def encode_position(points, low, high):
     """Two chunks of the terms of Mildenhall et al. (2020) of places within -1 to 1: five words of
     each coordinate, and x, y and z. Doubling adds errors below 2^-10 to that of rounding to float8.
     """
-    for i in prange(points.shape[0]):
+    for i in range(points.shape[0]):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
-        low[i, 0], low[i, 1], low[i, 2], low[i, 3], low[i, 4] = ten_octaves(x)
-        low[i, 5], low[i, 6], low[i, 7], high[i, 0], high[i, 1] = ten_octaves(y)
-        high[i, 2], high[i, 3], high[i, 4], high[i, 5], high[i, 6] = ten_octaves(z)
-        high[i, 7] = pack_fp8(x, y, z, ZERO)
+        p = np.uint32(CHUNK * i)
+        a, b, c, d, e = ten_octaves(x)
+        low[p], low[p + np.uint32(1)], low[p + np.uint32(2)] = a, b, c
+        low[p + np.uint32(3)], low[p + np.uint32(4)] = d, e
+        a, b, c, d, e = ten_octaves(y)
+        low[p + np.uint32(5)], low[p + np.uint32(6)], low[p + np.uint32(7)] = a, b, c
+        high[p], high[p + np.uint32(1)] = d, e
+        a, b, c, d, e = ten_octaves(z)
+        high[p + np.uint32(2)], high[p + np.uint32(3)], high[p + np.uint32(4)] = a, b, c
+        high[p + np.uint32(5)], high[p + np.uint32(6)] = d, e
+        high[p + np.uint32(7)] = pack_fp8(x, y, z, ZERO)
 
 
 @vividc.kernel("void(float32[:, ::1], uint32[:, ::1])")
@@ -169,10 +176,8 @@ def with_both(total, x0, x1, w0, w1):
 
 
 @numba.njit
-def two_chunk_layer(x, stride, weights, first, samples, y):
-    """A layer of 32 neurons with two chunks of inputs, the second `stride` words after the first,
-    four neurons at a time, cut at 0.
-    """
+def two_chunk_layer(low, high, weights, first, samples, y):
+    """A layer of 32 neurons with two chunks of inputs, four neurons at a time, cut at 0."""
     for block in range(8):
         v = np.uint32(first + FOUR_NEURONS * block)
         w0, w1 = words(weights, v), words(weights, v + np.uint32(8))
@@ -184,8 +189,8 @@ def two_chunk_layer(x, stride, weights, first, samples, y):
         b2 = bitcast_f32(weights[v + np.uint32(66)])
         b3 = bitcast_f32(weights[v + np.uint32(67)])
         for sample in range(samples):
-            x0 = words(x, np.uint32(CHUNK * sample))
-            x1 = words(x, np.uint32(CHUNK * sample + stride))
+            x0 = words(low, np.uint32(CHUNK * sample))
+            x1 = words(high, np.uint32(CHUNK * sample))
             results = pack_fp8(
                 with_both(b0, x0, x1, w0, w1),
                 with_both(b1, x0, x1, w2, w3),
@@ -203,19 +208,23 @@ def neuron(x, sample, weights, first):
 
 
 @vividc.kernel(
-    "void(uint32[::1], uint32[::1], uint32[::1], uint32[::1], float32, int32, float32[::1])"
+    "void(float32[:, ::1], uint32[::1], uint32[::1], uint32[::1], uint32[::1], float32,"
+    " float32[::1])"
 )
-def density_network(inputs, hidden, features, weights, step, stride, thickness):
-    """Optical thickness at each sample, and one chunk of `features` for its colour.
+def density_network(local, low, high, features, weights, step, thickness):
+    """Optical thickness at samples' places in their cell, and a chunk of `features` for their
+    colour.
 
-    `step` is its length over the scale of the last layer's sums. `inputs` is overwritten.
+    `step` is its length over the scale of the last layer's sums. `low` and `high` are room to work
+    in.
     """
     samples = len(thickness)
-    two_chunk_layer(inputs, stride, weights, 0, samples, hidden)
-    one_chunk_layer(hidden, weights, SECOND, samples, inputs, np.uint32(0))
-    one_chunk_layer(inputs, weights, THIRD, samples, features, LOWEST)
+    encode_position(local, low, high)
+    two_chunk_layer(low, high, weights, 0, samples, features)
+    one_chunk_layer(features, weights, SECOND, samples, low, np.uint32(0))
+    one_chunk_layer(low, weights, THIRD, samples, features, LOWEST)
     for sample in range(samples):
-        thickness[sample] = max(neuron(inputs, sample, weights, LAST), ZERO) * step
+        thickness[sample] = max(neuron(low, sample, weights, LAST), ZERO) * step
 
 
 @numba.njit
@@ -223,14 +232,13 @@ def sigmoid(x):
     return ONE / (ONE + math.exp(min(max(-x, -LARGEST), LARGEST)))
 
 
-@vividc.kernel("void(uint32[::1], uint32[::1], uint32[::1], float32, int32, float32[:, ::1])")
-def colour_network(inputs, hidden, weights, unit, stride, colours):
-    """Red, green and blue of each sample; `unit` is what the last layer's sums are multiplied by.
-
-    Chunks are the features and the terms of the direction.
+@vividc.kernel("void(uint32[::1], uint32[::1], uint32[::1], uint32[::1], float32, float32[:, ::1])")
+def colour_network(features, seen, hidden, weights, unit, colours):
+    """Red, green and blue of each sample, from its features and the terms of its direction; `unit`
+    is what the last layer's sums are multiplied by.
     """
     samples = colours.shape[0]
-    two_chunk_layer(inputs, stride, weights, 0, samples, hidden)
+    two_chunk_layer(features, seen, weights, 0, samples, hidden)
     for sample in range(samples):
         colours[sample, 0] = sigmoid(neuron(hidden, sample, weights, SECOND) * unit)
         colours[sample, 1] = sigmoid(neuron(hidden, sample, weights, SECOND + NEURON) * unit)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from vividc import KernelFunction
 from vividc.render.array import Ledger
-from vividc.render.array.device.launches import Gathered, Launch
+from vividc.render.array.device.launches import Gathered, Launch, Move
 from vividc.render.array.device.programs import kernel_folder, kernel_module
 from vividc.render.arrays import Float32Array
 from vividc.render.radiance import March
@@ -54,16 +55,20 @@ def launch_by_numba(
 def _launched(host: Host, function: KernelFunction, launch: Launch) -> int:
     flat = {parameter.name: parameter.ndim == 1 for parameter in function.params}
     assert sum(launch.sizes.values()) <= host.scratchpad_bytes
-    given: dict[str, object] = dict(launch.scalars)
-    for name, array in {**launch.shared, **launch.inputs}.items():
-        rows = array.table[array.indices] if isinstance(array, Gathered) else array
-        given[name] = rows.flatten() if flat[name] else rows.copy()
+    given: dict[str, Any] = dict(launch.scalars)
     kinds = {parameter.name: parameter.dtype.value for parameter in function.params}
     shapes = {**launch.shapes, **launch.work}
     given |= {name: np.zeros(shape, kinds[name]) for name, shape in shapes.items()}
+    for name, array in {**launch.shared, **launch.inputs}.items():
+        if isinstance(array, np.ndarray | Gathered):
+            rows = _rows(array)
+            given[name] = rows.flatten() if flat[name] else rows.copy()
+        else:
+            _put(given[name], array)
     given |= {name: np.zeros(some.shape, np.uint32) for name, some in launch.fetched.items()}
     for name, array in launch.outputs.items():
-        given.setdefault(name, np.zeros(array.size if flat[name] else array.shape, array.dtype))
+        if isinstance(array, np.ndarray):
+            given.setdefault(name, np.zeros(array.size if flat[name] else array.shape, array.dtype))
     if launch.fetched:
         function(*({**given, "phase": 0}[name] for name in flat))
         given["phase"] = 1
@@ -73,8 +78,38 @@ def _launched(host: Host, function: KernelFunction, launch: Launch) -> int:
         listed[some.first : some.first + len(rows)] = rows
     value = function(*(given[name] for name in flat))
     for name, array in launch.outputs.items():
-        array[...] = given[name].reshape(array.shape)
+        if isinstance(array, np.ndarray):
+            array[...] = given[name].reshape(array.shape)
+        else:
+            _take(given[name], array)
     return int(value or 0)
+
+
+def _put(room: np.ndarray, moves: Sequence[Move]) -> None:
+    for move in moves:
+        rows = _rows(move.array).ravel().view(room.dtype)
+        room.reshape(-1)[move.first : move.first + rows.size] = rows
+
+
+def _take(room: np.ndarray, moves: Sequence[Move]) -> None:
+    for move in moves:
+        rows = room.reshape(-1)[move.first : move.first + move.array.size]
+        move.array[...] = rows.view(move.array.dtype).reshape(move.array.shape)
+
+
+def _rows(array: np.ndarray | Gathered) -> np.ndarray:
+    return array.table[array.indices] if isinstance(array, Gathered) else array
+
+
+def launches_by_numba(
+    host: Host,
+    ledger: Ledger,
+    stage: str,
+    kernel: str,
+    launches: Sequence[Launch],
+    **options: object,
+) -> list[int]:
+    return launch_by_numba(host, ledger, stage, kernel, [launches])[0]
 
 
 def gather_by_numba(

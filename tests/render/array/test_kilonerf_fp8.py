@@ -62,7 +62,7 @@ def terms(vectors: np.ndarray, levels: int) -> np.ndarray:
 def test_encodings_are_the_references_terms() -> None:
     vectors = np.random.default_rng(6).uniform(-1, 1, (200, 3)).astype(np.float32)
     low, high, seen = (np.zeros((200, CHUNK_WORDS), np.uint32) for _ in range(3))
-    KERNELS.encode_position(vectors, low, high)
+    KERNELS.encode_position(vectors, low.reshape(-1), high.reshape(-1))
     KERNELS.encode_direction(vectors, seen)
     # Half a last place of what is below 1, and the error of doubling.
     both = np.concatenate((numbers(low), numbers(high)), axis=1)

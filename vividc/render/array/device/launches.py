@@ -25,19 +25,6 @@ _COPIES: Final = ((2, 2), (1, 2), (1, 1))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Move:
-    """Elements of a kernel's array, from `first` on, that are copied from or to an array."""
-
-    array: Words
-    first: int = 0
-
-    @property
-    def first_byte(self) -> int:
-        """Of the kernel's array."""
-        return WORD_BYTES * self.first
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Gathered:
     """Rows of a table, by indices [n] int32 or uint32 that DRAM holds when the job runs."""
 
@@ -53,6 +40,21 @@ class Gathered:
     def shape(self) -> tuple[int, ...]:
         """Of the chosen rows, one below the other."""
         return (len(self.indices), *self.table.shape[1:])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Move:
+    """Elements of a kernel's array, from `first` on, that are copied from or to an array, or are
+    rows of one.
+    """
+
+    array: Words | Gathered
+    first: int = 0
+
+    @property
+    def first_byte(self) -> int:
+        """Of the kernel's array."""
+        return WORD_BYTES * self.first
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -329,6 +331,7 @@ class _Tile:
             self._job.move_out(self._tile, at[name] + move.first_byte, move.array, after=[run])
             for name, array in launch.outputs.items()
             for move in _pieces(array)
+            if isinstance(move.array, np.ndarray)
         ]
         self._turns.free(self._tile, copy, *(leaving or [run]))
         return run
@@ -369,13 +372,14 @@ class _Tile:
     ) -> list[int]:
         job, tile = self._job, self._tile
         steps = []
-        for name, array in inputs.items():
-            if isinstance(array, Gathered):
-                steps.append(job.gather(tile, array.table, array.indices, at[name], after=after))
-                continue
-            for move in _pieces(array):
-                address = at[name] + move.first_byte
-                steps.append(job.move_in(tile, move.array, address, after=after))
+        for name, moved in inputs.items():
+            for move in _pieces(moved):
+                array, address = move.array, at[name] + move.first_byte
+                if isinstance(array, Gathered):
+                    rows = (array.table, array.indices, address)
+                    steps.append(job.gather(tile, *rows, after=after))
+                else:
+                    steps.append(job.move_in(tile, array, address, after=after))
         return steps
 
 
@@ -390,8 +394,8 @@ def _hold_together(job: Job, tiles: Mapping[int, _Tile], launches: Sequence[Laun
         tile.hold(first, dict(at), ready)
 
 
-def _pieces(array: Words | Sequence[Move]) -> Sequence[Move]:
-    return (Move(array),) if isinstance(array, np.ndarray) else array
+def _pieces(array: Moved) -> Sequence[Move]:
+    return (Move(array),) if isinstance(array, np.ndarray | Gathered) else array
 
 
 def _sizes(arrays: Mapping[str, Words]) -> dict[str, int]:

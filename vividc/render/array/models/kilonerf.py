@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import groupby, pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +14,7 @@ from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.gather import gather_rows
-from vividc.render.array.device.launches import Launch, Move, run_launches
+from vividc.render.array.device.launches import Gathered, Launch, Move, Words, run_launches
 from vividc.render.array.models.field import Features, ModelField
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.errors import SceneError
@@ -24,14 +24,17 @@ _KERNELS = "render/kilonerf"
 _POSITION_TERMS = 63
 _AXES = 3
 _DIRECTION_TERMS = 27
-CHUNK = 1024
-"""Samples that one launch sorts."""
+CHUNK = 352
+"""Samples that one launch sorts: as many as fit twice beside 274 networks in 12^3 cells."""
 _AT_ONCE = 12
 """Samples of a launch of a network: as many as fit twice beside its weights."""
 _QUAD = 4
 _OCTET = 8
 _SPARE_BYTES = 1024
-_SORT_ARRAYS = 5
+_SORT_WORDS = 15
+"""Of a sample in launches that sort, with those of the next one."""
+_SORT_LINES = 16
+"""Of arrays that begin in a certain bank there."""
 
 
 Pieces = Sequence[tuple[int, int, int]]
@@ -39,22 +42,38 @@ Pieces = Sequence[tuple[int, int, int]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Sorted:
-    """Samples by chunk and, within each, by network.
+class Part:
+    """Samples of one network that go through it together.
 
     Attributes
     ----------
-    order
-        [n] int32 samples in that order.
+    network
+        Its number.
     places
-        [n] int32 where each sample is in it.
-    pieces
-        The samples of one network in one chunk.
+        Where they are among all that are sorted.
     """
 
-    order: Int32Array
-    places: Int32Array
-    pieces: Pieces
+    network: int
+    places: tuple[slice, ...]
+
+    @property
+    def count(self) -> int:
+        """How many they are."""
+        return sum(some.stop - some.start for some in self.places)
+
+    def moves(
+        self, table: Words, first: int = 0, rows: Int32Array | None = None
+    ) -> tuple[Move, ...]:
+        """Return their rows of a table, or those that sorted numbers of rows choose, one after the
+        other from word `first` of an array on.
+        """
+        width = table[:1].nbytes // WORD_BYTES
+        moves = []
+        for some in self.places:
+            chosen = table[some] if rows is None else Gathered(table, rows[some])
+            moves.append(Move(chosen, first))
+            first += width * (some.stop - some.start)
+        return tuple(moves)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,18 +120,18 @@ class KiloNeRFOnArray(ModelField):
         self._colour = _colour_half(model, self._at_once)
         self._box = np.concatenate((model.march.box[0], model.march.box[1] - model.march.box[0]))
         self._networks = np.ascontiguousarray(model.network, dtype=np.int32)
+        self._grid = np.array(model.network.shape, dtype=np.int32)
         self._features = np.zeros((0, hidden), dtype=np.float32)
 
     def density(self, points: Float32Array, ledger: Ledger) -> tuple[Float32Array, Float32Array]:
         """Return optical thickness [n] of one step, and where the features are [n, 1]."""
-        device = self._device
-        networks, local = self.cells_of(points, ledger)
-        grouped = self._sorted(networks, ledger)
-        local = gather_rows(device, ledger, "grouping", local, [grouped.order])
-        thickness, features = self._density_network(local, grouped.pieces, ledger)
-        self._features = features
-        thickness = gather_rows(device, ledger, "grouping", thickness, [grouped.places])
-        return thickness, grouped.places.view(np.float32)[:, None]
+        local, places = np.zeros_like(points), np.zeros(len(points), dtype=np.int32)
+        made = {"places": places, "local": local}
+        pieces = self._sorted("group_places", points, {}, made, ledger)
+        parts = list(parts_of(pieces, self._at_once))
+        thickness, self._features = self._density_network(local, parts, ledger)
+        thickness = self._ungrouped(thickness[:, None], places, ledger)
+        return thickness[:, 0], places.view(np.float32)[:, None]
 
     def colour(
         self,
@@ -123,87 +142,73 @@ class KiloNeRFOnArray(ModelField):
         ledger: Ledger,
     ) -> Float32Array:
         """Return r, g, b [n, 3] of points seen along their rays' unit `directions` [R, 3]."""
-        device = self._device
-        directions = gather_rows(device, ledger, "compaction", directions, [rays])
-        networks, _ = self.cells_of(points, ledger)
-        grouped = self._sorted(networks, ledger)
-        directions = gather_rows(device, ledger, "grouping", directions, [grouped.order])
-        rows = gather_rows(device, ledger, "grouping", features, [grouped.order])
-        inputs = gather_rows(
-            device, ledger, "grouping", self._features, [rows[:, 0].view(np.int32)]
-        )
-        colours = self._colour_network(inputs, directions, grouped.pieces, ledger)
-        return gather_rows(device, ledger, "grouping", colours, [grouped.places])
+        places, rows, sorted_rays = (np.zeros(len(points), dtype=np.int32) for _ in range(3))
+        given = {"rows": np.ascontiguousarray(features[:, 0]).view(np.int32), "rays": rays}
+        made = {"places": places, "sorted_rows": rows, "sorted_rays": sorted_rays}
+        pieces = self._sorted("group_numbers", points, given, made, ledger)
+        parts = list(parts_of(pieces, self._at_once))
+        colours = self._colour_network(rows, sorted_rays, directions, parts, ledger)
+        return self._ungrouped(colours, places, ledger)
 
     def _density_network(
-        self, local: Float32Array, pieces: Pieces, ledger: Ledger
+        self, local: Float32Array, parts: Sequence[Part], ledger: Ledger
     ) -> tuple[Float32Array, Float32Array]:
         """Return thickness [n] and features [n, words] of sorted places in cells."""
         encoded = self._encoded(local, "position", _POSITION_TERMS, ledger)
         thickness = np.zeros(len(local), dtype=np.float32)
         features = np.zeros((len(local), self._hidden), dtype=np.float32)
-        half, launches = self._density, []
-        for network, part in self._parts(pieces):
-            count = part.stop - part.start
-            launches.append(
-                Launch(
-                    shapes=self._shapes(half),
-                    inputs={"values": (Move(encoded[part]),)},
-                    outputs={
-                        "thickness": thickness[part],
-                        "values": (Move(features[part]),),
-                    },
-                    shared={"weights": half.weights[network], "layers": half.layers},
-                    scalars={
-                        "first": half.first,
-                        "pitch": half.pitch,
-                        "step": float(self._model.march.step),
-                    },
-                    cost=-(-count // _QUAD),
-                )
+        half = self._density
+        launches = [
+            Launch(
+                shapes={**self._shapes(half), "thickness": (part.count,)},
+                inputs={"values": part.moves(encoded)},
+                outputs={
+                    "thickness": part.moves(thickness),
+                    "values": part.moves(features),
+                },
+                shared={"weights": half.weights[part.network], "layers": half.layers},
+                scalars={
+                    "first": half.first,
+                    "pitch": half.pitch,
+                    "step": float(self._model.march.step),
+                },
+                cost=-(-part.count // _QUAD),
             )
-        self._run("density network", "density_network", launches, ledger)
+            for part in parts
+        ]
+        self._run("density network", f"{_KERNELS}:density_network", launches, ledger)
         return thickness, features
 
     def _colour_network(
-        self, features: Float32Array, directions: Float32Array, pieces: Pieces, ledger: Ledger
+        self,
+        rows: Int32Array,
+        rays: Int32Array,
+        directions: Float32Array,
+        parts: Sequence[Part],
+        ledger: Ledger,
     ) -> Float32Array:
-        """Return colours [n, 3] of sorted features and directions."""
+        """Return colours [n, 3] of sorted numbers of features and of rays."""
         seen = self._encoded(directions, "direction", _DIRECTION_TERMS, ledger)
-        colours = np.full((len(features), 3), 0.5, dtype=np.float32)
-        half, launches = self._colour, []
-        for network, part in self._parts(pieces):
-            count = part.stop - part.start
-            second = self._at_once * self._hidden
-            launches.append(
-                Launch(
-                    shapes=self._shapes(half),
-                    inputs={"values": (Move(features[part]), Move(seen[part], second))},
-                    outputs={"colours": colours[part]},
-                    shared={"weights": half.weights[network], "layers": half.layers},
-                    scalars={"first": half.first, "pitch": half.pitch},
-                    cost=-(-count // _QUAD),
-                )
+        colours = np.full((len(rows), 3), 0.5, dtype=np.float32)
+        half, second = self._colour, self._at_once * self._hidden
+        launches = [
+            Launch(
+                shapes={**self._shapes(half), "colours": (part.count, 3)},
+                inputs={
+                    "values": (
+                        *part.moves(self._features, rows=rows),
+                        *part.moves(seen, second, rays),
+                    )
+                },
+                outputs={"colours": part.moves(colours)},
+                shared={"weights": half.weights[part.network], "layers": half.layers},
+                scalars={"first": half.first, "pitch": half.pitch},
+                cost=-(-part.count // _QUAD),
             )
-        self._run("colour network", "colour_network", launches, ledger)
+            for part in parts
+        ]
+        self._run("colour network", f"{_KERNELS}:colour_network", launches, ledger)
         return colours
-
-    def cells_of(self, points: Float32Array, ledger: Ledger) -> tuple[Int32Array, Float32Array]:
-        """Return the network of each point (-1: none), and its place in that network's cell."""
-        local = np.zeros((len(points), 3), dtype=np.float32)
-        grid = self._networks
-        if grid.nbytes <= self._device.scratchpad_bytes // 2:
-            networks = np.zeros(len(points), dtype=np.int32)
-            arguments = (points, self._box, grid, networks, local)
-            self._device.spread(ledger, "grouping", f"{_KERNELS}:cells", *arguments)
-            return networks, local
-        numbers = np.zeros(len(points), dtype=np.int32)
-        shape = np.array(grid.shape, dtype=np.int32)
-        arguments = (points, self._box, shape, numbers, local)
-        self._device.spread(ledger, "grouping", f"{_KERNELS}:cell_numbers", *arguments)
-        table = grid.reshape(-1).view(np.float32)
-        rows = gather_rows(self._device, ledger, "grouping", table, [numbers])
-        return rows.view(np.int32), local
 
     def _encoded(
         self, vectors: Float32Array, kind: str, terms: int, ledger: Ledger
@@ -214,69 +219,102 @@ class KiloNeRFOnArray(ModelField):
         self._device.spread(ledger, "position encoding", kernel, vectors.ravel(), out)
         return out.reshape(len(vectors), terms)
 
-    def _sorted(self, networks: Int32Array, ledger: Ledger) -> _Sorted:
-        """Sort chunks; of more networks than a scratchpad counts, a range after the other."""
-        order, places = np.zeros_like(networks), np.zeros_like(networks)
-        chunks = range(0, len(networks), CHUNK)
+    def _sorted(
+        self,
+        kernel: str,
+        points: Float32Array,
+        given: Mapping[str, Int32Array],
+        made: Mapping[str, Words],
+        ledger: Ledger,
+    ) -> Pieces:
+        """Sort chunks of points by network, those without one first; of more networks than a
+        scratchpad counts, a range after the other, in what the ranges before left.
+
+        Parameters
+        ----------
+        given, made
+            By sample: other inputs and the outputs of a kernel that sorts.
+        """
+        known = self._numbers(points, ledger)
+        shared = self._cells(known is not None)
+        whole: dict[str, Words] = {"points": points, **given}
+        if known is not None:
+            whole["chosen"] = known
         pieces: list[tuple[int, int, int]] = []
-        for low, count in self._ranges():
-            starts = np.zeros((len(chunks), count + 2), dtype=np.int32)
+        for low, count in self._ranges(shared):
+            starts = np.zeros((-(-len(points) // CHUNK), count + 2), dtype=np.int32)
+            before = whole if low < 0 else {**whole, **made}
+            scalars = {"known": int(known is not None), "low": low}
             launches = [
-                self._sort_launch(networks, low, first, starts[number], order, places)
-                for number, first in enumerate(chunks)
+                Launch(
+                    inputs=_chunk(before, first),
+                    outputs={"starts": one, **_chunk(made, first)},
+                    shared=shared,
+                    work={
+                        "cursors": one.shape,
+                        **({} if "chosen" in whole else {"chosen": (CHUNK,)}),
+                    },
+                    scalars={**scalars, "first": first},
+                )
+                for first, one in zip(range(0, len(points), CHUNK), starts, strict=True)
             ]
-            self._run("grouping", "sort_by_network", launches, ledger)
+            self._run("grouping", f"{_KERNELS}:{kernel}", launches, ledger)
             ledger.count(words_read_by_host=starts.size)
             pieces += pieces_of(starts, low)
-        return _Sorted(order, places, tuple(pieces))
+        return pieces
 
-    def _ranges(self) -> list[tuple[int, int]]:
+    def _ungrouped(self, rows: Float32Array, places: Int32Array, ledger: Ledger) -> Float32Array:
+        """Return rows where their samples were before they were sorted."""
+        out = np.empty_like(rows)
+        launches = [
+            Launch(
+                inputs=_chunk({"grouped": rows, "places": places}, first),
+                outputs=_chunk({"out": out}, first),
+                scalars={"first": first},
+            )
+            for first in range(0, len(rows), CHUNK)
+        ]
+        self._run("grouping", f"{_KERNELS}:ungroup", launches, ledger)
+        return out
+
+    def _cells(self, known: bool) -> dict[str, Words]:
+        """Return what kernels that sort know of the grid."""
+        table = self._networks.reshape(-1)[: 1 if known else None]
+        return {"box": self._box, "grid": self._grid, "networks": table}
+
+    def _numbers(self, points: Float32Array, ledger: Ledger) -> Int32Array | None:
+        """Return the network of each point, -1: none, if the grid fits no scratchpad."""
+        if 2 * self._networks.nbytes <= self._device.scratchpad_bytes:
+            return None
+        numbers = np.zeros(len(points), dtype=np.int32)
+        arguments = (points, self._box, self._grid, numbers)
+        self._device.spread(ledger, "grouping", f"{_KERNELS}:cell_numbers", *arguments)
+        table = self._networks.reshape(-1)
+        return gather_rows(self._device, ledger, "grouping", table, [numbers])
+
+    def _ranges(self, shared: Mapping[str, Words]) -> list[tuple[int, int]]:
         """First network and number of networks (-1 is one) that a scratchpad counts at once."""
         networks = len(self._model.weights[0]) + 1
-        lines = _SORT_ARRAYS * self._device.line_bytes
-        words = (self._device.scratchpad_bytes - lines) // WORD_BYTES
-        most = (words - 3 * CHUNK) // 2 - 2
+        held = sum(array.nbytes for array in shared.values())
+        free = self._device.scratchpad_bytes - held - _SORT_LINES * self._device.line_bytes
+        most = (free // WORD_BYTES - _SORT_WORDS * CHUNK) // 3 - 2
         parts = -(-networks // most)
         bounds = [networks * part // parts - 1 for part in range(parts + 1)]
         return [(low, high - low) for low, high in pairwise(bounds)]
 
-    def _sort_launch(
-        self,
-        networks: Int32Array,
-        low: int,
-        first: int,
-        starts: Int32Array,
-        order: Int32Array,
-        places: Int32Array,
-    ) -> Launch:
-        """Sort a chunk's samples of some networks, in what the ranges before left."""
-        part = slice(first, first + CHUNK)
-        before = {"order": order[part], "places": places[part]}
-        return Launch(
-            shapes={"cursors": starts.shape},
-            inputs={"networks": networks[part], **(before if low >= 0 else {})},
-            outputs={"starts": starts, **before},
-            scalars={"low": low, "first": first},
-        )
-
-    def _parts(self, pieces: Pieces) -> Iterator[tuple[int, slice]]:
-        """Yield network and places of each launch, by network, so that weights are loaded once."""
-        for network, first, count in sorted(pieces):
-            for start in range(first, first + count, self._at_once):
-                yield network, slice(start, min(start + self._at_once, first + count))
-
     def _shapes(self, half: _Half) -> dict[str, tuple[int, ...]]:
         return {"values": (half.words * self._at_once,)}
 
-    def _run(self, stage: str, kernel: str, launches: Sequence[Launch], ledger: Ledger) -> None:
-        run_launches(
-            self._device,
-            ledger,
-            stage,
-            f"{_KERNELS}:{kernel}",
-            launches,
-            loops=LoopOptions(auto=False),
-        )
+    def _run(
+        self,
+        stage: str,
+        kernel: str,
+        launches: Sequence[Launch],
+        ledger: Ledger,
+        **options: object,
+    ) -> None:
+        loops = LoopOptions(auto=False)
+        run_launches(self._device, ledger, stage, kernel, launches, loops=loops, **options)
 
     def _samples_at_once(self) -> int:
         """Return how many samples fit beside a network's weights, in fours."""
@@ -293,6 +331,31 @@ class KiloNeRFOnArray(ModelField):
             f"{self._device.scratchpad_bytes} bytes",
             hint="train smaller networks, or use a fabric with larger scratchpads",
         )
+
+
+def _chunk(arrays: Mapping[str, Words], first: int) -> dict[str, Words]:
+    """Return the rows of a chunk."""
+    return {name: array[first : first + CHUNK] for name, array in arrays.items()}
+
+
+def parts_of(pieces: Pieces, most: int) -> Iterator[Part]:
+    """Yield at most so many samples each of one network, by network, so that weights are loaded
+    once.
+    """
+    for network, some in groupby(sorted(pieces), lambda piece: piece[0]):
+        places: list[slice] = []
+        room = most
+        for _, begin, count in some:
+            at, end = begin, begin + count
+            while at < end:
+                places.append(slice(at, min(at + room, end)))
+                room -= places[-1].stop - at
+                at = places[-1].stop
+                if not room:
+                    yield Part(network, tuple(places))
+                    places, room = [], most
+        if places:
+            yield Part(network, tuple(places))
 
 
 def pieces_of(starts: Int32Array, low: int) -> Iterator[tuple[int, int, int]]:

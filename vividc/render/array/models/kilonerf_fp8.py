@@ -6,22 +6,21 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from vividc import LoopOptions
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
-from vividc.render.array.device.launches import Launch, Move, run_launches
-from vividc.render.array.models.kilonerf import KiloNeRFOnArray, Pieces
+from vividc.render.array.device.launches import Launch
+from vividc.render.array.models.kilonerf import KiloNeRFOnArray, Part
 from vividc.render.array.models.kilonerf_words import CHUNK_WORDS, WIDTH, fp8_words
-from vividc.render.arrays import Float32Array
+from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.errors import SceneError
 from vividc.render.radiance import KiloNeRF
 
 _FILE = "render/kilonerf_fp8"
 _MAPPING_S = 150.0
 """Their loops' IIs are the time of a frame."""
-_AT_ONCE = 64
+_AT_ONCE = 144
 """Samples of a launch: as many as fit twice beside the weights of two networks."""
-_STRIDE = _AT_ONCE * CHUNK_WORDS
+_ROOM = (_AT_ONCE * CHUNK_WORDS,)
 
 
 class Fp8KiloNeRF(KiloNeRFOnArray):
@@ -47,75 +46,62 @@ class Fp8KiloNeRF(KiloNeRFOnArray):
         self._at_once = _AT_ONCE
 
     def _density_network(
-        self, local: Float32Array, pieces: Pieces, ledger: Ledger
+        self, local: Float32Array, parts: Sequence[Part], ledger: Ledger
     ) -> tuple[Float32Array, Float32Array]:
-        low, high, features = (np.zeros((len(local), CHUNK_WORDS), np.uint32) for _ in range(3))
-        kernel = f"{_FILE}:encode_position"
-        self._device.spread(ledger, "position encoding", kernel, local, low, high)
+        features = np.zeros((len(local), CHUNK_WORDS), dtype=np.float32)
         thickness = np.zeros(len(local), dtype=np.float32)
-        words, launches = self._words, []
-        for network, part in self._parts(pieces):
-            count = part.stop - part.start
-            weights = words.density[network]
-            launches.append(
-                Launch(
-                    shapes=_shapes("inputs", "hidden", "features"),
-                    inputs={"inputs": (Move(low[part]), Move(high[part], _STRIDE))},
-                    outputs={
-                        "thickness": thickness[part],
-                        "features": (Move(features[part]),),
-                    },
-                    shared={"weights": weights},
-                    scalars={
-                        "step": float(self._model.march.step * words.density_units[network]),
-                        "stride": _STRIDE,
-                    },
-                    cost=_cost(count),
-                )
+        words = self._words
+        launches = [
+            Launch(
+                shapes={
+                    "local": (part.count, 3),
+                    "features": _ROOM,
+                    "thickness": (part.count,),
+                },
+                inputs={"local": part.moves(local)},
+                outputs={"thickness": part.moves(thickness), "features": part.moves(features)},
+                shared={"weights": words.density[part.network]},
+                work={"low": _ROOM, "high": _ROOM},
+                scalars={"step": float(self._model.march.step * words.density_units[part.network])},
+                cost=_cost(part.count),
             )
-        self._run_fp8("density network", "density_network", launches, ledger)
-        return thickness, features.view(np.float32)
+            for part in parts
+        ]
+        kernel = f"{_FILE}:density_network"
+        self._run("density network", kernel, launches, ledger, time_limit_s=_MAPPING_S)
+        return thickness, features
 
     def _colour_network(
-        self, features: Float32Array, directions: Float32Array, pieces: Pieces, ledger: Ledger
+        self,
+        rows: Int32Array,
+        rays: Int32Array,
+        directions: Float32Array,
+        parts: Sequence[Part],
+        ledger: Ledger,
     ) -> Float32Array:
-        seen = np.zeros((len(features), CHUNK_WORDS), np.uint32)
+        seen = np.zeros((len(directions), CHUNK_WORDS), np.uint32)
         kernel = f"{_FILE}:encode_direction"
-        self._device.spread(ledger, "position encoding", kernel, directions, seen)
-        colours = np.full((len(features), 3), 0.5, dtype=np.float32)
-        words, launches = self._words, []
-        for network, part in self._parts(pieces):
-            count = part.stop - part.start
-            weights = words.colour[network]
-            launches.append(
-                Launch(
-                    shapes=_shapes("inputs", "hidden"),
-                    inputs={"inputs": (Move(features[part]), Move(seen[part], _STRIDE))},
-                    outputs={"colours": colours[part]},
-                    shared={"weights": weights},
-                    scalars={"unit": float(words.colour_units[network]), "stride": _STRIDE},
-                    cost=_cost(count),
-                )
+        self._device.spread(ledger, "direction encoding", kernel, directions, seen)
+        colours = np.full((len(rows), 3), 0.5, dtype=np.float32)
+        words = self._words
+        launches = [
+            Launch(
+                shapes={"features": _ROOM, "seen": _ROOM, "colours": (part.count, 3)},
+                inputs={
+                    "features": part.moves(self._features, rows=rows),
+                    "seen": part.moves(seen, rows=rays),
+                },
+                outputs={"colours": part.moves(colours)},
+                shared={"weights": words.colour[part.network]},
+                work={"hidden": _ROOM},
+                scalars={"unit": float(words.colour_units[part.network])},
+                cost=_cost(part.count),
             )
-        self._run_fp8("colour network", "colour_network", launches, ledger)
+            for part in parts
+        ]
+        kernel = f"{_FILE}:colour_network"
+        self._run("colour network", kernel, launches, ledger, time_limit_s=_MAPPING_S)
         return colours
-
-    def _run_fp8(self, stage: str, kernel: str, launches: Sequence[Launch], ledger: Ledger) -> None:
-        run_launches(
-            self._device,
-            ledger,
-            stage,
-            f"{_FILE}:{kernel}",
-            launches,
-            loops=LoopOptions(auto=False),
-            time_limit_s=_MAPPING_S,
-        )
-
-
-def _shapes(first: str, *others: str) -> dict[str, tuple[int, ...]]:
-    """Return the sizes of the inputs, two chunks, and of arrays of one chunk."""
-    sizes: dict[str, tuple[int, ...]] = {first: (2 * _STRIDE,)}
-    return sizes | dict.fromkeys(others, (_STRIDE,))
 
 
 def _cost(samples: int) -> float:
