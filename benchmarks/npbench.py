@@ -55,6 +55,7 @@ _MOST: Final = 14
 _STEPS: Final = frozenset({"TSTEPS", "nt", "nit", "TMAX", "tEnd"})
 _FEW_STEPS: Final = 3
 _SIZES: Final[Mapping[str, Mapping[str, float]]] = {
+    "heat_3d": {"N": 9},
     "stockham_fft": {"R": 2, "K": 4},
     "lenet": {"N": 1, "H": 28, "W": 28},
     "conv2d": {"N": 2, "C_in": 2, "C_out": 3, "K": 3, "H": 8, "W": 8},

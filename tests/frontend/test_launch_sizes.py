@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from random import Random
 
 import numpy as np
 import pytest
@@ -12,7 +13,8 @@ from tests.fuzz.witnesses import judge, run_regions
 from vividc.compiler.driver import lower
 from vividc.errors import SimulationError
 from vividc.frontend import KernelFunction
-from vividc.machine.params import LocalArray, evaluate_formula
+from vividc.frontend.ranges.formulas import shortened
+from vividc.machine.params import Formula, LocalArray, evaluate_formula
 from vividc.program import Program
 
 LENGTHS = (0, 1, 2, 7, 16)
@@ -218,3 +220,87 @@ def test_sizes_may_be_quotients(function: object) -> None:
             kernel(x, n)
             run_regions(lowered, [y, np.int32(n)])
             np.testing.assert_array_equal(y, x)
+
+
+def masked(x, y):
+    chosen = x[x > y[0]]
+    y[1] = len(chosen)
+    for i in range(len(chosen)):
+        x[i] = chosen[i]
+
+
+def stencil(x, y):
+    y[1:-1, 1:-1] = (
+        (x[2:, 1:-1] - np.float32(2) * x[1:-1, 1:-1] + x[:-2, 1:-1])
+        + (x[1:-1, 2:] - np.float32(2) * x[1:-1, 1:-1] + x[1:-1, :-2])
+        + (x[2:, 2:] - x[:-2, :-2] + x[2:, :-2] - x[:-2, 2:])
+    )
+
+
+def windows(x, y):
+    n, m = y.shape
+    wide = np.float32(4) * x[1 : n + 3, 1 : m + 3] - x[2 : n + 4, 1 : m + 3] - x[: n + 2, 1 : m + 3]
+    rest = np.where(wide[1:, 1 : m + 1] > 0, np.float32(0), wide[:-1, 1 : m + 1])
+    y[:, :] = rest[1:, :] - rest[:-1, :]
+
+
+@pytest.mark.parametrize("length", LENGTHS)
+def test_a_mask_chooses_as_many_as_there_are_at_most(length: int) -> None:
+    kernel = KernelFunction(masked, "void(float32[::1], float32[::1])", None)
+    lowered = lower(kernel)
+    x = np.random.default_rng(1).standard_normal(length).astype(np.float32)
+    theirs, mine = [x.copy(), np.zeros(2, np.float32)], [x.copy(), np.zeros(2, np.float32)]
+    kernel(*theirs)
+    run_regions(lowered, mine)
+    assert all(map(np.array_equal, mine, theirs))
+
+
+@pytest.mark.parametrize(("function", "more"), [(stencil, 0), (windows, 4)])
+def test_slices_with_negative_and_omitted_ends_have_sizes(function: object, more: int) -> None:
+    kernel = KernelFunction(function, "void(float32[:, ::1], float32[:, ::1])", None)
+    lowered = lower(kernel)
+    for shape in ((3, 7), (8, 5)):
+        wide = tuple(size + more for size in shape)
+        x = np.random.default_rng(2).standard_normal(wide).astype(np.float32)
+        theirs, mine = [x, np.zeros(shape, np.float32)], [x, np.zeros(shape, np.float32)]
+        kernel(*theirs)
+        run_regions(lowered, mine)
+        assert np.allclose(mine[1], theirs[1], atol=1e-5)  # FMAs round once
+
+
+@pytest.mark.parametrize(
+    ("formula", "short"),
+    [
+        (("u:n", "u:n", -2, "+", "max"), ("u:n",)),
+        (("s:n", "s:n", -2, "+", "min", 0, "max"), ("s:n", -2, "+", 0, "max")),
+        (("s:x.shape0", 0, "max", "s:x.shape0", 2, "*", "max"), ("s:x.shape0", 2, "*")),
+        (("s:n", "s:n", "*", "s:n", "s:n", "*", "+"), ("s:n", "s:n", "*", 2, "*")),
+        (
+            ("s:m", "s:n", "min", "s:m", "s:n", 1, "+", "min", "max"),
+            ("s:m", "s:n", 1, "+", "min"),
+        ),
+    ],
+)
+def test_formulas_are_made_shorter(formula: Formula, short: Formula) -> None:
+    found = shortened(formula)
+    assert len(found) <= len(short)
+    for n in (-3, 0, 1, 9):
+        for m in (-1, 4, 20):
+            inputs = {"n": n & 0xFFFFFFFF, "m": m & 0xFFFFFFFF, "x.shape0": abs(n)}
+            if n >= 0 or "u:n" not in formula:
+                assert evaluate_formula(found, inputs) == evaluate_formula(formula, inputs)
+
+
+def test_random_formulas_keep_their_value() -> None:
+    random = Random(3)
+    inputs = {"n": 5, "m": 0xFFFFFFFD, "x.shape0": 7}
+    for _ in range(300):
+        stack: list[Formula] = []
+        for _ in range(random.randint(1, 14)):
+            if len(stack) > 1 and random.random() < 0.5:
+                right, left = stack.pop(), stack.pop()
+                stack.append((*left, *right, random.choice(["+", "*", "max", "min"])))
+            else:
+                stack.append((random.choice(["u:n", "s:m", "s:x.shape0", 0, -2, 3]),))
+        formula = stack.pop()
+        assert evaluate_formula(shortened(formula), inputs) == evaluate_formula(formula, inputs)

@@ -8,6 +8,7 @@ loop's counter its start or its limit.
 
 from __future__ import annotations
 
+from vividc.frontend.ranges.formulas import shortened
 from vividc.frontend.ranges.interval import Interval
 from vividc.frontend.ranges.ranges import Ranges
 from vividc.machine.params import MAX_DIMENSION, Formula
@@ -30,8 +31,11 @@ _ALIASES = frozenset({"zext", "sext", "trunc", "freeze", "udiv", "lshr"})
 """What gives its operand, or less of one that is not negative."""
 _FEW = 1 << 10
 """A constant bound is taken where there is no other up to here."""
-_DEPTH = 24
+_DEPTH = 64
 _LONGEST = 200
+_SHORT = 24
+"""A formula of more items is made shorter: one for the shape of a broadcast has each of its arrays.
+"""
 
 
 class LaunchSizes:
@@ -45,6 +49,8 @@ class LaunchSizes:
         }
         self._ranges = Ranges(function, bounds)
         self._loops = self._ranges.flow.loops
+        self._bounds: dict[tuple[Key, str, bool], Formula] = {}
+        self._unbounded: dict[tuple[Key, str, bool], int] = {}
         self._counters = {
             phi.id: name for name in self._loops for phi in function.by_name[name].phis
         }
@@ -55,6 +61,19 @@ class LaunchSizes:
         return None if formula is None or len(formula) > _LONGEST else formula
 
     def _bound(self, operand: Value, block: str, signed: bool, depth: int) -> Formula | None:
+        """As `bound`, found once: neither what has a bound nor what had none, looked at as deep."""
+        if not isinstance(operand, Ref):
+            return self._known(operand, block, signed, depth)
+        key = operand.key, block, signed
+        if key not in self._bounds and self._unbounded.get(key, -1) < depth:
+            formula = self._known(operand, block, signed, depth)
+            if formula is None:
+                self._unbounded[key] = depth
+            else:
+                self._bounds[key] = formula if len(formula) <= _SHORT else shortened(formula)
+        return self._bounds.get(key)
+
+    def _known(self, operand: Value, block: str, signed: bool, depth: int) -> Formula | None:
         formula = self._formula(operand, block, signed, depth)
         if formula is None and depth:
             high = self._ranges.at(operand, block)[1]
@@ -151,13 +170,67 @@ class LaunchSizes:
         starts = [value for pred, value in phi.incoming if pred not in body]
         first = self._all("max", starts, header, depth)
         known = [step for step in steps if step is not None]
-        if first is None or len(known) < len(steps):
+        if first is None:
             return None
+        if len(known) < len(steps):
+            return self._climbing(phi, first, depth)
         if max(known) <= 0:
             is_word = self._ranges.at(Ref(phi.id), header)[0] >= -_LARGEST
             return first if is_word else None
         limit = self._limit(phi, header, depth)
         return None if limit is None else (*first, *limit, max(known) - 1, "+", "max")
+
+    def _climbing(self, phi: Phi, first: Formula, depth: int) -> Formula | None:
+        """What counts in some iterations of a loop: its start, and the most that an iteration adds
+        as often as the loop runs.
+        """
+        header = self._counters[phi.id]
+        body = self._loops[header]
+        rises = [
+            self._rise(phi, value, pred, depth) for pred, value in phi.incoming if pred in body
+        ]
+        known = [rise for rise in rises if rise is not None]
+        runs = self._runs(header, depth)
+        if runs is None or len(known) < len(rises) or not 0 <= max(known) <= _FEW:
+            return None
+        return (*first, *runs, 0, "max", max(known), "*", "+")
+
+    def _rise(self, phi: Phi, value: Value, block: str, depth: int) -> int | None:
+        """How much more than `phi` a value of the same iteration is at most."""
+        if value == Ref(phi.id):
+            return 0
+        op = definition_of(self._function, value)
+        if op is None or not depth:
+            return None
+        if isinstance(op, Phi):
+            if op.id in self._counters:  # of a loop inside
+                return None
+            ways = [(value, pred) for pred, value in op.incoming]
+        elif op.op == "select":
+            ways = [(value, block) for value in op.operands[1:]]
+        elif op.op == "add" and op.type == "i64":
+            added = self._ranges.at(op.operands[1], block)[1]
+            rise = self._rise(phi, op.operands[0], block, depth - 1)
+            return None if rise is None or not 0 <= added <= _FEW else rise + added
+        else:
+            return None
+        rises = [self._rise(phi, value, pred, depth - 1) for value, pred in ways]
+        known = [rise for rise in rises if rise is not None]
+        return max(known) if known and len(known) == len(rises) else None
+
+    def _runs(self, header: str, depth: int) -> Formula | None:
+        """How often a loop runs at most, by a counter that begins at a constant and grows."""
+        body = self._loops[header]
+        for phi in self._function.by_name[header].phis:
+            starts = [value for pred, value in phi.incoming if pred not in body]
+            steps = [self._step(phi, value) for pred, value in phi.incoming if pred in body]
+            if not all(isinstance(start, Int) and start.value >= 0 for start in starts):
+                continue
+            if all(step is not None and step >= 1 for step in steps):
+                limit = self._limit(phi, header, depth)
+                if limit is not None:
+                    return limit
+        return None
 
     def _step(self, phi: Phi, again: Value) -> int | None:
         op = definition_of(self._function, again)
