@@ -26,6 +26,7 @@ DTYPES = (
 )
 SHAPES = (("L",), ("L",), ("L",), ("L", "M"), ("M", "L"), ("L", "L"), ("M", "K"), ("L", "M", "K"))
 SMALL_SHAPES = (("M",), ("M",), ("M", "M"), ("M", "K"), ("K", "M"), ("M", "K", "M"))
+DEEP_SHAPES = (("M", "K", "M", "K"), ("K", "M", "L", "M"), ("K", "K", "K", "M", "K"))
 OWN = (
     Array("own", "int32", ("OWN",)),
     Array("own", "int32", ("OWN",)),
@@ -89,6 +90,9 @@ def random_source(seed: int) -> str:
     shapes = SHAPES if random.random() < 0.7 else SMALL_SHAPES
     names = "abcde"[: random.randint(1, 4)]
     params = [Array(name, random.choice(DTYPES), random.choice(shapes)) for name in names]
+    deep = Random(~seed)
+    if deep.random() < _DEEP:
+        params[0] = Array("a", params[0].dtype, deep.choice(DEEP_SHAPES))
     if random.random() < 0.3:
         params.append(Array("g", "float32", random.choice(shapes)))
     own = [random.choice(OWN)] if random.random() < 0.3 else []
@@ -112,6 +116,8 @@ def random_source(seed: int) -> str:
     return _module(program, params, constants, body)
 
 
+_DEEP = 0.1
+"""Share of the programs that have an array of four or five dimensions."""
 _RETURNING = 0.2
 """Share of the programs that return arrays and tuples."""
 OFTEN = 0.5

@@ -283,5 +283,5 @@ def _param(name: str, type_: Any, loc: SourceLoc) -> Param:
         raise KernelError(reason, loc=loc, hint=hint)
     if not 1 <= type_.ndim <= MAX_NDIM:
         reason = f"array {name} has {type_.ndim} dimensions"
-        raise KernelError(reason, loc=loc, hint="arrays have one to three dimensions")
+        raise KernelError(reason, loc=loc, hint=f"arrays have one to {MAX_NDIM} dimensions")
     return Param(name, _ELEMENTS[type_.dtype], type_.ndim)

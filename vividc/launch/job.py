@@ -21,6 +21,7 @@ from vividc.launch.memory import Buffers
 from vividc.launch.own_arrays import OwnArrays
 from vividc.launch.simulate import JobResult, simulate_steps
 from vividc.launch.steps import Configure, Execute, Listed, Step, Transfer
+from vividc.machine.params import MAX_ELEMENTS
 from vividc.program import WORD_BYTES, Program, pitch_words, pitches_of
 from vividc.program.encoder.reflect import reflected_program
 from vividc.sim.bind import refuse_other_sizes, scalar_inputs
@@ -427,6 +428,8 @@ def _bound(
                 f"array {param.name} of {program.name} is given as At(address, shape) with "
                 f"{param.ndim} dimension(s)"
             )
+        if math.prod(max(size, 1) for size in place.shape) > MAX_ELEMENTS:
+            raise ArgumentError(f"array {param.name} of {program.name} has shape {place.shape}")
         size = math.prod(place.shape) * param.dtype.size_bytes
         extents[param.name] = (place.address, place.address + size)
         inputs |= _array_words(param.name, place)

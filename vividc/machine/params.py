@@ -19,7 +19,7 @@ MAX_SPREAD = 1 << 24
 """The first dimension of an array of a kernel that is spread over tiles may be as large as this."""
 
 
-MAX_NDIM = 3
+MAX_NDIM = 6
 """Dimensions of an array."""
 
 

@@ -301,6 +301,9 @@ def _array(program: Program, param: Param, value: object) -> Array:
         raise ArgumentError(
             "the kernel writes this array, and it is read-only", loc=where, hint="pass a copy"
         )
+    if math.prod(max(size, 1) for size in value.shape) > MAX_ELEMENTS:
+        hint = "an empty array may have short dimensions only: np.zeros((0, 4, 4), ...)"
+        raise ArgumentError(f"an array of shape {value.shape}", loc=where, hint=hint)
     limits = tuple(param.limit(axis) for axis in range(param.ndim))
     if not param.flat and any(n > most for n, most in zip(value.shape, limits, strict=True)):
         raise ArgumentError(

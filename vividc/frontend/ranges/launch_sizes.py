@@ -280,13 +280,23 @@ class LaunchSizes:
             return None
         scaled = isinstance(right, Int) and right.value > 0
         exact = _is_input(one) and _is_input(other)
-        least = [self._ranges.at(arg, block)[0] for arg in (left, right)]
+        least = [self._least(arg, block) for arg in (left, right)]
         if scaled or exact or min(least) >= 0:
             return (*one, *other, "*")
         if min(least) < -_FEW:
             return None
         both = least[0] * least[1] if max(least) < 0 else 0  # the product of the negative ones
         return (*one, 0, "max", *other, 0, "max", "*", both, "max")
+
+    def _least(self, value: Value, block: str) -> int:
+        """What a value is at least; a product that does not overflow has the sign of its factors,
+        however large their ranges are.
+        """
+        least = self._ranges.at(value, block)[0]
+        op = definition_of(self._function, value)
+        if least >= 0 or not isinstance(op, Instr) or op.op != "mul" or "nsw" not in op.flags:
+            return least
+        return 0 if all(self._least(arg, block) >= 0 for arg in op.operands) else least
 
     def _all(
         self,
