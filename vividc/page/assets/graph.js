@@ -17,13 +17,37 @@ function layOut(one, inputs) {
   const there = (id) => graph.hasNode(String(id));
   one.edges.forEach((edge, index) => {
     if (!there(edge.src) || !there(edge.dst)) return;
-    // What later iterations read points back up.
+    // A recurrence points back up; what else later iterations read says nothing of layers.
+    if (edge.distance && edge.src !== edge.dst && !reaches(one, edge.dst, edge.src)) return;
     const ends = edge.distance ? [edge.dst, edge.src] : [edge.src, edge.dst];
     const label = { minlen: 1, weight: edge.kind === "data" && !edge.distance ? 2 : 1 };
     graph.setEdge(String(ends[0]), String(ends[1]), label, `e${index}`);
   });
   dagre.layout(graph);
   return graph;
+}
+
+// Whether a word gets from one node to another in the same iteration.
+function reaches(one, from, to) {
+  const seen = new Set([from]);
+  const open = [from];
+  while (open.length) {
+    const here = open.pop();
+    if (here === to) return true;
+    for (const edge of one.edges)
+      if (edge.src === here && !edge.distance && !seen.has(edge.dst)) {
+        seen.add(edge.dst);
+        open.push(edge.dst);
+      }
+  }
+  return false;
+}
+
+// A line past the layers.
+function past(from, to) {
+  const [x, y, u, v] = [from.x, from.y + NODE_HEIGHT / 2, to.x, to.y - NODE_HEIGHT / 2];
+  const out = u < x ? -36 : 36;
+  return `M${x} ${y}C${x + out} ${y + 34} ${u - out} ${v - 34} ${u} ${v}`;
 }
 
 function curve(points) {
@@ -56,28 +80,26 @@ function arrow(id) {
 }
 
 function edgeShapes(one, graph) {
+  const routed = new Map(graph.edges().map((key) => [Number(key.name.slice(1)), graph.edge(key).points]));
   const shapes = [];
-  for (const key of graph.edges()) {
-    const index = Number(key.name.slice(1));
-    const edge = one.edges[index];
-    const points = [...graph.edge(key).points];
+  one.edges.forEach((edge, index) => {
+    const [from, to] = [graph.node(String(edge.src)), graph.node(String(edge.dst))];
+    if (!from || !to) return;
+    const points = [...(routed.get(index) || [])];
     if (edge.distance) points.reverse();
-    const path = edge.src === edge.dst ? loop(graph.node(String(edge.src))) : curve(points);
-    const kind = edge.distance ? "carried" : edge.kind;
-    const end = edge.distance ? "head-carried" : "head";
-    const what = edge.kind === "data" ? "word" : edge.kind;
+    const self = edge.src === edge.dst;
+    const path = self ? loop(from) : points.length ? curve(points) : past(from, to);
     const later = edge.distance ? `, ${edge.distance} iteration${edge.distance > 1 ? "s" : ""} later` : "";
+    const line = draw("path", { d: path, class: `edge ${edge.distance ? "carried" : edge.kind}${self || points.length ? "" : " past"}`, "data-edge": index,
+      "marker-end": `url(#${edge.distance ? "head-carried" : "head"})` });
+    const what = edge.kind === "data" ? "word" : edge.kind;
     const assumed = edge.assumed ? " (not proved apart)" : "";
-    const line = draw("path", { d: path, class: `edge ${kind}`, "data-edge": index,
-      "marker-end": `url(#${end})` });
     shapes.push(tipped(line, `${what} of #${edge.src} to #${edge.dst}${later}${assumed}`));
-    if (edge.distance) {
-      const own = graph.node(String(edge.src));
-      const middle = edge.src === edge.dst ? { x: own.x + own.width / 2 + 12, y: own.y + 4 }
-        : points[Math.floor(points.length / 2)];
-      shapes.push(draw("text", { x: middle.x + 5, y: middle.y, class: "distance", text: edge.distance }));
-    }
-  }
+    if (!edge.distance) return;
+    const middle = self ? { x: from.x + from.width / 2 + 12, y: from.y + 4 }
+      : points[Math.floor(points.length / 2)] || { x: (from.x + to.x) / 2, y: (from.y + to.y) / 2 };
+    shapes.push(draw("text", { x: middle.x + 5, y: middle.y, class: "distance", text: edge.distance }));
+  });
   return shapes;
 }
 

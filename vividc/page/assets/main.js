@@ -7,7 +7,8 @@ function setRegion(index) {
   state.region = index;
   state.slot = 0;
   state.zoom = 0;
-  state.bound = byId("binding").checked ? region().binds : null;
+  state.bound = state.highlights && tells(region()) ? region().binds : null;
+  byId("binding").checked = state.bound !== null;
   marks.pinned = marks.hover = null;
   state.inputs = region().nodes.length <= MANY_INPUTS;
   byId("inputs").checked = state.inputs;
@@ -20,6 +21,13 @@ function setRegion(index) {
   setSlot(0);
   showFirstLine();
   reveal(byId("graph"), ".node.binds");
+}
+
+// Whether highlighting what binds says something: it is not just about everything.
+function tells(one) {
+  if (one.binds === null) return false;
+  const placed = one.nodes.filter((node) => !node.source).length;
+  return placed < 16 || one.bounds[one.binds].nodes.length < 0.6 * placed;
 }
 
 // The first line of the region, a few lines from the pane's top.
@@ -110,7 +118,10 @@ function listen() {
     showGraph();
     paint();
   });
-  byId("binding").addEventListener("change", (event) => setBound(event.target.checked ? region().binds : null));
+  byId("binding").addEventListener("change", (event) => {
+    state.highlights = event.target.checked;
+    setBound(state.highlights ? region().binds : null);
+  });
   byId("bounds").addEventListener("click", (event) => {
     const button = event.target.closest("[data-bound]");
     if (!button) return;

@@ -12,6 +12,7 @@ const state = {
   inputs: true,
   zoom: 0, // 0: fit
   bound: null, // index of the bound that is highlighted
+  highlights: true, // what binds, in each region that is chosen
 };
 const marks = { hover: null, pinned: null }; // each { nodes: [id], line }
 
