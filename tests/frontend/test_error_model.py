@@ -132,18 +132,39 @@ def by_an_odd_one(a, b, y):
         y[i] = a[i] // (b[i] | 1)
 
 
+def by_its_length(a, b, y):
+    for i in range(len(y)):
+        y[i] = a[(i * 5) % len(y)]
+
+
 def behind_a_test(a, b, y):
     for i in range(len(y)):
         if b[i] > 0:
             y[i] = a[i] // b[i]
 
 
-@pytest.mark.parametrize("function", [by_a_constant, by_an_odd_one, behind_a_test])
+@pytest.mark.parametrize("function", [by_a_constant, by_an_odd_one, by_its_length, behind_a_test])
 def test_a_divisor_that_is_not_zero_costs_nothing(function):
     plain, checked = (made(function, INTS, model).lower() for model in ("numpy", "python"))
     assert not checked.locals
     count = [sum(len(block.instrs) for block in one.blocks) for one in (plain, checked)]
     assert operator.eq(*count)
+
+
+@pytest.mark.parametrize("signature", [WIDE, "void(int32[::1], int32, int32[::1])"])
+def test_the_number_of_iterations_is_not_zero_in_one(signature):
+    def within(a, n, y):
+        for i in range(n):
+            y[i] = a[(i * 5) % n]
+
+    def beside(a, n, y):
+        for i in range(len(y)):
+            if i < 3:
+                y[i] = n
+            y[i] = a[i % n]
+
+    assert not made(within, signature, "python").lower().locals
+    assert made(beside, signature, "python").lower().locals
 
 
 @numba.njit

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from vividc.frontend.ranges.known import ranges_of
+from vividc.frontend.ranges.ranges import Ranges
 from vividc.host import time_limit
 from vividc.ssa.edit import FreshIds, substitute
 from vividc.ssa.ir import Block, Function, Instr, Int, Ref, Value, definition_of
@@ -19,7 +20,9 @@ _NEUTRAL_ZERO = frozenset({"add", "sub", "or", "xor", "shl", "lshr", "ashr"})
 def fold_by_ranges(function: Function) -> Function:
     """Fold decided comparisons, selects on them and branches on them, then drop dead code.
 
-    This removes the wraparound of negative indices where an index is not negative.
+    This removes the wraparound of negative indices where an index is not negative. A branch knows
+    more than the comparison that it reads, which LLVM moves out of loops: in one over `range(n)`, n
+    is not 0.
     """
     ranges = ranges_of(function)
     known: dict[int, Value] = {}
@@ -28,8 +31,42 @@ def fold_by_ranges(function: Function) -> Function:
             outcome = ranges.compare_at(op, block.name)
             if outcome is not None:
                 known[op.id] = Int(int(outcome))
+    blocks = tuple(_decided(function, block, ranges) for block in function.blocks)
+    if any(new is not old for new, old in zip(blocks, function.blocks, strict=True)):
+        function = replace(function, blocks=blocks)
     function = _without_trivial(substitute(function, known))
     return merge_chains(_without_trivial(fold_branches(function)))
+
+
+def _decided(function: Function, block: Block, ranges: Ranges) -> Block:
+    """The block with a constant for its branch's condition if that has one outcome here."""
+    cond = block.branch.cond
+    made = definition_of(function, cond) if isinstance(cond, Ref) else None
+    if not isinstance(made, Instr):
+        return block
+    outcome = ranges.compare_at(made, block.name)
+    if outcome is None and _is_not_zero(function, made, block.name, ranges):
+        outcome = made.pred == "ne"
+    if outcome is None:
+        return block
+    return replace(block, branch=replace(block.branch, cond=Int(int(outcome))))
+
+
+def _is_not_zero(function: Function, made: Instr, block: str, ranges: Ranges) -> bool:
+    """Whether a value that is compared with 0 is known not to be, by what it was extended to: LLVM
+    compares it before, and with other values behind.
+    """
+    if made.op != "icmp" or made.pred not in ("eq", "ne") or made.operands[1] != Int(0):
+        return False
+    compared = made.operands[0]
+    return any(
+        op.op in ("sext", "zext")
+        and op.operands[0] == compared
+        # where it does not run, its range says nothing
+        and ranges.is_nonzero(Ref(op.id), block)
+        for name in ranges.flow.dominators(block)
+        for op in function.by_name[name].instrs
+    )
 
 
 def _without_trivial(function: Function) -> Function:
