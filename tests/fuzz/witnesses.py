@@ -28,7 +28,13 @@ from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.interpret.interpreter import interpret
 from vividc.dfg.pipeline import optimize_kernel
 from vividc.dfg.regions import Kernel
-from vividc.errors import KernelError, MappingFailed, TimeLimit, VividcWarning
+from vividc.errors import (
+    KernelError,
+    MappingFailed,
+    SimulationError,
+    TimeLimit,
+    VividcWarning,
+)
 from vividc.frontend import KernelFunction
 from vividc.machine.params import DType, given
 from vividc.program import Program, encode
@@ -158,8 +164,31 @@ def mapped(kernel: KernelFunction, source: str, seed: int) -> Program:
         return mapping(loops=vividc.LoopOptions(auto=False))
 
 
+def _of_a_model(kernel: KernelFunction, seed: int) -> KernelFunction:
+    """The kernel, or the same under the error model "python": one in four."""
+    if seed % 4:
+        return kernel
+    return KernelFunction(kernel.py_func, kernel.numba_signature, kernel.name, "python")
+
+
+def _all_raise(
+    built: list[tuple[str, Kernel]], program: Program | None, args: list[object]
+) -> None:
+    """Demand that each witness ends with the error that numba raises."""
+    runs = [(what, partial(run_regions, lowered, deepcopy(args))) for what, lowered in built]
+    if program is not None:
+        runs.append(("simulator", partial(vividc.simulate, program, *deepcopy(args))))
+    for what, run in runs:
+        try:
+            run()
+        except SimulationError as error:
+            if "ZeroDivisionError" in str(error):
+                continue
+        raise Difference(f"{what}: numba raises ZeroDivisionError, which it does not")
+
+
 def _run(module: ModuleType, source: str, seed: int, simulate: Simulated) -> tuple[str, ...]:
-    kernel: KernelFunction = module.program
+    kernel = _of_a_model(module.program, seed)
     function = kernel.lower()
     built: list[tuple[str, Kernel]] = []
     tried = forms(function, seed, is_whole="float32" not in source)
@@ -176,7 +205,11 @@ def _run(module: ModuleType, source: str, seed: int, simulate: Simulated) -> tup
     for trial in range(TRIALS):
         args = arguments(kernel, shapes_of(module), seed, trial)
         expected = deepcopy(args)
-        value = kernel(*expected)
+        try:
+            value = kernel(*expected)
+        except ZeroDivisionError:
+            _all_raise(built, program, args)
+            continue
         first: list[object] = []
         for what, lowered in built:
             mine = deepcopy(args)
