@@ -9,6 +9,8 @@ import numba
 import numpy as np
 import pytest
 
+import vividc
+from tests.fuzz.witnesses import words_in_blocks
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend import KernelFunction, kernel
 from vividc.machine.params import DType, Param
@@ -67,7 +69,7 @@ def nothing(x, n):
         ("void(int64[::1], int32)", "int64"),
         ("void(float32[:], int32)", r"not contiguous in C order \(float32\[:\]\)"),
         ("void(float32[::1, :], int32)", "not contiguous"),
-        ("void(float32[:, :, :, ::1], int32)", "4 dimensions"),
+        ("void(float32[:, :, :, :, :, :, ::1], int32)", "7 dimensions"),
         ("void(unicode_type, int32)", "x has type str,"),
         ("void(float32[::1], optional(int32))", "n has type int32 or None"),
         ("void(float32[::1], UniTuple(int32, 2))", r"n has type \(int32, int32\)"),
@@ -108,8 +110,6 @@ def two_values(x, n):
         ("int32(float32[::1], int32)", sometimes, 1, "returns nothing, .* says int32"),
         ("void(float32[::1], int32)", sometimes, 2, "returns 1, .* says void"),
         ("int32(float32[::1], int32)", two_values, 1, r"returns \(int32, int32\), .* says int32"),
-        ("(float32[::1], int32)", two_values, 1, r"returns \(int32, int32\)"),
-        ("(float32[::1], int32)", sometimes, 2, "returns int64 or None"),
     ],
 )
 def test_what_is_returned_must_be_what_the_signature_says(
@@ -156,3 +156,32 @@ def test_an_untyped_result_is_inferred() -> None:
 def test_signatures_are_text_or_numbas_own(signature: object) -> None:
     made = kernel(signature)(nothing)  # type: ignore[arg-type]
     assert made.params == (Param("x", DType.F32, 2), Param("n", DType.I32))
+
+
+def raised(x, by=3, scale=0.5):
+    for i in range(len(x)):
+        x[i] = x[i] * np.float32(scale) + np.float32(by)
+
+
+@pytest.mark.parametrize("signature", ["void(float32[::1])", "void(float32[::1], int64, float32)"])
+def test_what_a_caller_leaves_out_has_its_default(signature: str) -> None:
+    made = kernel(signature)(raised)
+    program = words_in_blocks(made.lower())
+    for given in ({}, {"by": 7}, {"by": -1, "scale": 2.0}):
+        theirs, mine = np.arange(4, dtype=np.float32), np.arange(4, dtype=np.float32)
+        made(theirs, **given)
+        vividc.simulate(program, mine, **given)
+        assert np.array_equal(mine, theirs)
+    with pytest.raises(vividc.VividcError, match="misses x"):
+        vividc.simulate(program, by=3)
+
+
+def test_a_function_that_numba_has_compiled_is_a_kernel() -> None:
+    compiled = numba.njit(cache=False, fastmath=True)(raised)
+    made = kernel("void(float32[::1])")(compiled)
+    assert made.py_func is raised
+    assert made.fastmath
+    assert not kernel("void(float32[::1])")(numba.njit(raised)).fastmath
+    assert not kernel("void(float32[::1])")(numba.njit(fastmath={"nnan"})(raised)).fastmath
+    assert kernel("void(float32[::1])")(numba.njit(fastmath={"reassoc"})(raised)).fastmath
+    assert [param.default for param in made.params] == [(), (3,), (0.5,)]

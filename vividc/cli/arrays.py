@@ -36,6 +36,9 @@ def read_arguments(path: Path, params: Sequence[Param]) -> dict[str, Array]:
         _demand(path, params, _problems(npz.headers, params))  # before any data is unpacked
         arrays = npz.arrays()
     _demand(path, params, _wrong_scalars(arrays, params))
+    arrays |= {
+        p.name: np.asarray(p.default[0]) for p in params if p.default and p.name not in arrays
+    }
     return {param.name: _in_c_order(arrays[param.name]) for param in params}
 
 
@@ -73,7 +76,8 @@ def _npz(arrays: Mapping[str, Array]) -> bytes:
 
 def _problems(headers: Mapping[str, Header], params: Sequence[Param]) -> list[str]:
     known = {param.name for param in params}
-    problems = [f"`{param.name}` is missing" for param in params if param.name not in headers]
+    missing = [p.name for p in params if p.name not in headers and not p.default]
+    problems = [f"`{name}` is missing" for name in missing]
     problems += [
         f"`{quoted(name)[1:-1]}` is not a parameter" for name in headers if name not in known
     ]
@@ -92,7 +96,7 @@ def _misfit(array: Header, param: Param) -> list[str]:
 
 
 def _wrong_scalars(arrays: Mapping[str, Array], params: Sequence[Param]) -> list[str]:
-    scalars = [(param, arrays[param.name]) for param in params if not param.ndim]
+    scalars = [(p, arrays[p.name]) for p in params if not p.ndim and p.name in arrays]
     return [
         f"`{param.name}` = {quoted(array[()])} is not a {param.dtype.value}"
         for param, array in scalars

@@ -87,7 +87,8 @@ class CompileOptions(MapOptions):
     loops
         How loops are transformed.
     reassociate
-        Balance reductions of floats too, which changes their rounding; integers' always are.
+        Balance reductions of floats too, which changes their rounding; integers' always are. A
+        kernel made of a function that numba has compiled with `fastmath` has this leave.
     precision
         Formats of functions, from `parse_precision`.
     """
@@ -177,7 +178,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
         strict_fp=strict_fp,
         contract=contract,
         loops=wanted,
-        reassociate=reassociate,
+        reassociate=reassociate or (isinstance(kernel, KernelFunction) and kernel.fastmath),
         precision=parse_precision(precision),
     )
     grace_s = _GRACE_S + _GRACE_SHARE * time_limit_s

@@ -47,6 +47,8 @@ class JitFunction:
         options: Mapping[str, Any],
         error_model: Literal["numpy", "python"] = "numpy",
     ) -> None:
+        self._given = py_func
+        py_func = getattr(py_func, "py_func", py_func)
         functools.update_wrapper(self, py_func)
         self.py_func = py_func
         self.name = py_func.__name__
@@ -96,9 +98,7 @@ class JitFunction:
         given = self._bound(args, kwargs)
         signature = tuple(map(self._type_of, given))
         if signature not in self._kernels:
-            self._kernels[signature] = kernel(signature, error_model=self._error_model)(
-                self.py_func
-            )
+            self._kernels[signature] = kernel(signature, error_model=self._error_model)(self._given)
         return self._kernels[signature]
 
     def _compiled(self, given: tuple[object, ...]) -> Program:
@@ -166,7 +166,7 @@ def jit(
     Parameters
     ----------
     py_func
-        A Python function, or one that numba has compiled, whose Python function is taken.
+        A Python function, or one that numba has compiled, with its options as of `vividc.kernel`.
     fabric
         A fabric or an accelerator, a preset's name, or a YAML file.
     error_model
@@ -192,6 +192,6 @@ def jit(
         if not inspect.isfunction(plain):
             hint = "decorate a Python function"
             raise KernelError(f"a kernel cannot be made of {quoted(function)}", hint=hint)
-        return JitFunction(plain, fabric, options, error_model)
+        return JitFunction(function, fabric, options, error_model)
 
     return decorate if py_func is None else decorate(py_func)

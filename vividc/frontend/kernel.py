@@ -13,6 +13,7 @@ from dataclasses import replace
 from typing import Any, Literal, TypeAlias
 
 import numba
+import numpy as np
 from numba.core import sigutils, types
 from numba.core.typing import Signature
 
@@ -69,6 +70,8 @@ class KernelFunction(Callee):
         Where it is defined.
     error_model
         Numba's: what divisions by zero do.
+    fastmath
+        It is made of a function that numba has compiled with leave to sum floats in any order.
     """
 
     def __init__(
@@ -77,14 +80,17 @@ class KernelFunction(Callee):
         signature: _Signature,
         name: str | None,
         error_model: str = NUMPY,
+        fastmath: bool = False,
     ) -> None:
         functools.update_wrapper(self, py_func)
         self.py_func = py_func
         self.name = name or py_func.__name__
         self.error_model = error_model
+        self.fastmath = fastmath
         self.file = os.path.abspath(inspect.getsourcefile(py_func) or py_func.__code__.co_filename)
         self.line = py_func.__code__.co_firstlineno
-        self._args, self._return_type = _parse(signature, self.loc)
+        args, self._return_type = _parse(signature, self.loc)
+        self._args = (*args, *default_types(py_func, len(args)))
         self.signature = Signature(self._return_type, self._args, None)
         self.params = _params(py_func, self._args, self.loc)
         self._lowered: dict[tuple[object, ...], Function] = {}
@@ -114,7 +120,12 @@ class KernelFunction(Callee):
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
         """Run the kernel on the host, compiled by numba for exactly its signature."""
         named = {name: for_numba(value) for name, value in kwargs.items()}
-        return self._host(*map(for_numba, args), **named)
+        given = map(for_numba, args)
+        if any(param.default for param in self.params):
+            bound = inspect.signature(self.py_func).bind(*given, **named)
+            bound.apply_defaults()
+            return self._host(*bound.args)
+        return self._host(*given, **named)
 
     @property
     def numba_signature(self) -> Any:
@@ -192,7 +203,8 @@ def kernel(
     like: Like | None = None,
     error_model: Literal["numpy", "python"] = NUMPY,
 ) -> Callable[[Callable[..., Any]], KernelFunction]:
-    """Mark a function as a kernel.
+    """Mark a function as a kernel, or one that numba has compiled: of its options `fastmath` is
+    leave to reassociate, `error_model` is as below, and others make no difference.
 
     Parameters
     ----------
@@ -230,13 +242,23 @@ def kernel(
         raise KernelError(f"{quoted(error_model)} is no error model", hint=hint)
 
     def decorate(py_func: Callable[..., Any]) -> KernelFunction:
+        options = getattr(py_func, "targetoptions", {})  # of a function that numba has compiled
+        py_func = getattr(py_func, "py_func", py_func)
         if not inspect.isfunction(py_func):
             hint = "decorate a plain Python function; vividc passes it to numba by itself"
             raise KernelError(f"a kernel cannot be made of {quoted(py_func)}", hint=hint)
-        made = KernelFunction(py_func, signature, name, error_model)
+        model = options.get("error_model", error_model)
+        fast = _may_reassociate(options.get("fastmath", False))
+        made = KernelFunction(py_func, signature, name, model, fast)
         return made if like is None else made.sized(like)
 
     return decorate
+
+
+def _may_reassociate(fastmath: object) -> bool:
+    """Whether numba's option is leave to sum in any order."""
+    flags = fastmath if isinstance(fastmath, set | frozenset | list | tuple) else ()
+    return fastmath is True or not {"reassoc", "fast"}.isdisjoint(flags)
 
 
 def _parse(signature: _Signature, loc: SourceLoc) -> tuple[tuple[Any, ...], Any]:
@@ -268,7 +290,29 @@ def _params(
             loc=loc,
             hint="give one type for each parameter",
         )
-    return tuple(_param(p.name, type_, loc) for p, type_ in zip(declared, args, strict=True))
+    made = (_param(p.name, type_, loc) for p, type_ in zip(declared, args, strict=True))
+    return tuple(_with_default(m, p.default) for m, p in zip(made, declared, strict=True))
+
+
+def _with_default(param: Param, default: object) -> Param:
+    """The parameter with the number that the function gives it where the caller does not."""
+    if isinstance(default, np.generic):
+        default = default.item()
+    if param.ndim or not isinstance(default, bool | int | float):
+        return param
+    return replace(param, default=(default,))
+
+
+def default_types(py_func: Callable[..., Any], given: int) -> tuple[Any, ...]:
+    """Types of the parameters that a signature leaves out, as their defaults have: integers of 64
+    bits, and floats of 32.
+    """
+    rest = [*inspect.signature(py_func).parameters.values()][given:]
+    if not rest or not all(isinstance(p.default, bool | int | float | np.generic) for p in rest):
+        return ()
+    return tuple(
+        types.float32 if isinstance(p.default, float) else numba.typeof(p.default) for p in rest
+    )
 
 
 def _param(name: str, type_: Any, loc: SourceLoc) -> Param:

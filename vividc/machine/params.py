@@ -94,6 +94,7 @@ class Param:
     checks it); (): any.
     `made`: the formula of the words of an array that no caller gives: the kernel returns it, and
     the launch makes it, of zeros; (): any other.
+    `default`: the value of a scalar that a caller leaves out; (): it may not.
     """
 
     name: str
@@ -104,6 +105,7 @@ class Param:
     longest: int = field(default=0, compare=False)
     known: tuple[int, ...] = ()
     made: Formula = ()
+    default: tuple[bool | int | float, ...] = field(default=(), compare=False)
 
     @property
     def max_dimension(self) -> int:

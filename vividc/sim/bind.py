@@ -270,6 +270,8 @@ def named(
         if name in values:
             raise ArgumentError(f"{signature} got {name!r} twice")
         values[name] = value
+    defaults = {param.name: param.default[0] for param in program.params if param.default}
+    values = {**defaults, **values}
     missing = [name for name in names if name not in values]
     if missing:
         raise ArgumentError(f"{signature} misses {', '.join(missing)}")
