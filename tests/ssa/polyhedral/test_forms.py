@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import itertools
 import operator
+import random
 
 import pytest
 
 from vividc.machine.opcodes import Opcode
-from vividc.ssa.polyhedral.forms import COMPARISONS, Form, compared, form, symbol
+from vividc.ssa.polyhedral.forms import COMPARISONS, Form, compared, form, symbol, zeros
 
 X, Y = symbol("x"), symbol("y")
 NUMBERS = range(-3, 4)
@@ -58,3 +59,32 @@ def test_forms_in_place_of_names() -> None:
 def test_isl_reads_what_is_printed() -> None:
     assert str(form({"y": -1, "x": 2}, -3)) == "2*x + -1*y + (-3)"
     assert str(Form()) == "(0)"
+
+
+def test_zeros_have_the_solutions_of_the_forms_that_they_are_made_of() -> None:
+    chance, range_ = random.Random(3), range(-4, 5)
+    kept = 0
+    for _ in range(150):
+        forms = [
+            form({n: chance.randint(-3, 3) for n in "xyz"}, chance.randint(-3, 3))
+            for _ in range(chance.randint(1, 3))
+        ]
+        found = zeros(forms)
+        kept += found is not None
+        for x, y, z in itertools.product(range_, repeat=3):
+            at = {"x": x, "y": y, "z": z}
+            wanted = all(number(one, **at) == 0 for one in forms)
+            same = found is not None and all(number(one, **at) == 0 for one in found.forms)
+            assert same is wanted, forms
+            if wanted and found is not None:
+                assert all(number(value, **at) == at[n] for n, value in found.solved.items())
+    assert 20 < kept < 140
+
+
+def test_zeros_see_what_contradicts_itself() -> None:
+    one = Form((), 1)
+    assert zeros([X.plus(Y, -1), Y.plus(X, -1).plus(one)]) is None
+    assert zeros([X.times(4).plus(Y, 2).plus(one)]) is None
+    same = zeros([X.plus(Y, -1), Y.plus(X, -1)])
+    assert same is not None
+    assert len(same.forms) == 1

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -66,6 +67,55 @@ def symbol(name: str) -> Form:
 
 ZERO = Form()
 """The form of 0."""
+
+
+@dataclass(frozen=True, slots=True)
+class Zeros:
+    """Forms that are 0 together, none of which follows from the others by adding and subtracting.
+
+    Attributes
+    ----------
+    forms
+        Sorted, so that systems that are seen to have the same solutions are equal.
+    solved
+        Names by others, where a form has a name once: no value has one of these names.
+    """
+
+    forms: tuple[Form, ...]
+    solved: Mapping[str, Form]
+
+
+def zeros(forms: Iterable[Form]) -> Zeros | None:
+    """Integers at which all forms are 0 are those of this system, and the other way round; None if
+    there are none, as elimination or a common divisor of the factors shows.
+    """
+    rows: list[Form] = []
+    solved: dict[str, Form] = {}
+    for one in forms:
+        row = one.substituted(solved)
+        divisor = math.gcd(*(factor for _, factor in row.terms))
+        if not divisor:
+            if row.constant:
+                return None
+            continue
+        divided = row.divided(divisor)
+        if divided is None:
+            return None
+        unit = next(((n, f) for n, f in divided.terms if abs(f) == 1), None)
+        if unit is None:
+            rows.append(divided if divided.terms[0][1] > 0 else divided.times(-1))
+            continue
+        name, factor = unit
+        value = symbol(name).plus(divided, -factor)
+        at = {name: value}
+        solved = {n: v.substituted(at) for n, v in solved.items()} | at
+    rows = [row.substituted(solved) for row in rows]
+    rows += [symbol(name).plus(value, -1) for name, value in solved.items()]
+    return Zeros(tuple(sorted(rows, key=_order)), solved)
+
+
+def _order(one: Form) -> tuple[tuple[tuple[str, int], ...], int]:
+    return one.terms, one.constant
 
 
 def compared(op: Opcode, left: Form, right: Form, holds: bool) -> tuple[Form, ...]:

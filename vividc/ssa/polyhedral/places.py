@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import islpy as isl
 
 from vividc.ssa.ir import Instr, Value
-from vividc.ssa.polyhedral.forms import Form, symbol
+from vividc.ssa.polyhedral.forms import Form, symbol, zeros
 from vividc.ssa.polyhedral.guards import (
     ALWAYS,
     Guard,
@@ -17,6 +17,7 @@ from vividc.ssa.polyhedral.guards import (
     implies,
     is_maskable,
     masked,
+    moved,
     names_of,
 )
 from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Quotient, Run, fors_in, runs_in
@@ -24,6 +25,9 @@ from vividc.ssa.polyhedral.relations import Relations, Rows
 from vividc.ssa.polyhedral.rows import names_of_rows
 from vividc.ssa.polyhedral.scop import Scop, Statement
 from vividc.ssa.polyhedral.subscripts import Access
+
+_KEPT = 1 << 14
+"""So many sets of which it is known whether they are empty: a text of 200 bytes each."""
 
 
 @dataclass(frozen=True)
@@ -429,11 +433,15 @@ class Places:
             return True
         if one.is_scalar:
             return False
-        if not self.shares:
-            guard = ALWAYS
-        if (gaps, guard) not in self._meet:
-            self._meet[gaps, guard] = self._has_solution(gaps, guard)
-        return self._meet[gaps, guard]
+        met = zeros(gaps)
+        if met is None:
+            return False
+        tests = moved(guard if self.shares else ALWAYS, met.solved)
+        if tests is None:
+            return False
+        if (met.forms, tests) not in self._meet:
+            self._meet[met.forms, tests] = self._has_solution(met.forms, tests)
+        return self._meet[met.forms, tests]
 
     def _has_solution(self, gaps: tuple[Form, ...], guard: Guard) -> bool:
         tests = sorted(guard, key=str)
@@ -441,7 +449,7 @@ class Places:
         conditions += [f"{gap} = 0" for gap in gaps]
         conditions += [f"{test} >= 0" for test in tests]
         inside = f"[{chosen}] : {' and '.join(conditions)}"
-        return not isl.Set(f"[{symbols}] -> {{ {inside} }}").is_empty()
+        return not _is_empty(f"[{symbols}] -> {{ {inside} }}")
 
     def _reached(
         self, forms: Iterable[Form], *, quotients: bool = False
@@ -451,9 +459,11 @@ class Places:
         """
         chosen: dict[str, For] = {}
         known: dict[str, Quotient] = {}
+        named: set[str] = set()
         work = [name for form in forms for name in form.names]
         while work:
             name = work.pop()
+            named.add(name)
             if name in self.every and name not in chosen:
                 loop = chosen[name] = self.every[name]
                 work += [n for bound in (*loop.first, *loop.limit) for n in bound.names]
@@ -471,5 +481,13 @@ class Places:
             if one.remainder:
                 value = f"({one.dividend}) mod {one.divisor}"
             conditions.append(f"{name} = {value}")
-        symbols = ", ".join((*self.scop.symbols, *self.loops.quotients))
-        return symbols, ", ".join(chosen), conditions
+        symbols = (one for one in (*self.scop.symbols, *self.loops.quotients) if one in named)
+        return ", ".join(symbols), ", ".join(chosen), conditions
+
+
+@lru_cache(maxsize=_KEPT)
+def _is_empty(text: str) -> bool:
+    """Whether a set has no element, as isl says: forms of a nest that differ in a factor or a mask
+    ask the same of many places.
+    """
+    return bool(isl.Set(text).is_empty())
