@@ -159,6 +159,13 @@ class DFG:
     nodes: tuple[Node, ...]
     edges: tuple[Edge, ...]
 
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        return hash((self.name, self.nodes, self.edges))
+
     def __repr__(self) -> str:
         return f"<DFG {self.name}: {len(self.nodes)} nodes, {len(self.edges)} edges>"
 

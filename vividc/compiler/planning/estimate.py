@@ -284,14 +284,15 @@ class Estimator:
     def _shaped(self, dfg: DFG, kind: str) -> Shape:
         alike, graph = (kind, _numbered(dfg)), _graph(dfg)
         problem = MapProblem(dfg, self.fabric)
-        if alike not in self._shapes:
+        shape = self._shapes.get(alike)
+        if shape is None:
             time_limit.step("regions were estimated")
             bounded = _loop_shape if kind == "loop" else _straight_shape
-            self._shapes[alike] = bounded(problem)
-        shape = self._shapes[alike]
-        if graph not in self._stalls:
-            self._stalls[graph] = _stalls(problem, shape.ii)
-        return replace(shape, stalls=self._stalls[graph])
+            shape = self._shapes[alike] = bounded(problem)
+        stalls = self._stalls.get(graph)
+        if stalls is None:
+            stalls = self._stalls[graph] = _stalls(problem, shape.ii)
+        return replace(shape, stalls=stalls)
 
     def optimized(self, dfg: DFG) -> DFG:
         """The region's graph after the passes, unchecked and nameless. A graph that differs in the
@@ -299,7 +300,8 @@ class Estimator:
         """
         if id(dfg) not in self._optimized:
             alike = _numbered(dfg)
-            known = self._alike[alike].like(dfg) if alike in self._alike else None
+            first = self._alike.get(alike)
+            known = None if first is None else first.like(dfg)
             self._optimized[id(dfg)] = known or self._made(dfg)
             self._alike.setdefault(alike, self._optimized[id(dfg)])
         return self._optimized[id(dfg)].done

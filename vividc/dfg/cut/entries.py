@@ -130,36 +130,30 @@ def _splits(function: Function, ends: _Ends, read: Mapping[str, Collection[Value
     """Whether each use of the header's values is in the loop or behind it, and those behind it are
     in straight code, where they can be renamed.
     """
-    own = set(defined_types(ends.header))
+    own = defined_types(ends.header)
     above = dominators(function)
     pipelined = blocks_of_pipelined_loops(function)
-    for use in _uses(function):
-        if use.value.id not in own or use.at == ends.header.name or ends.first in above[use.at]:
+    for _, reader, at in _uses(function, own):
+        if at == ends.header.name or ends.first in above[at]:
             continue
-        if ends.after not in above[use.at] or use.reader in pipelined:
+        if ends.after not in above[at] or reader in pipelined:
             return False
     behind = (loop for loop in read if ends.after in above[loop])
     return not any(isinstance(v, Ref) and v.id in own for loop in behind for v in read[loop])
 
 
-@dataclass(frozen=True, slots=True)
-class _Use:
-    """A block reads a value; `at` the end of another one, if in a phi."""
-
-    value: Ref
-    reader: str
-    at: str
-
-
-def _uses(function: Function) -> Iterator[_Use]:
+def _uses(function: Function, own: Collection[int]) -> Iterator[tuple[int, str, str]]:
+    """The value, the block that reads it, and the same block again, or in a phi the one at whose
+    end it is read, of each use of values of one's own.
+    """
     for block in function.blocks:
         for phi in block.phis:
             for source, value in phi.incoming:
-                if isinstance(value, Ref):
-                    yield _Use(value, block.name, source)
+                if isinstance(value, Ref) and value.id in own:
+                    yield value.id, block.name, source
         for value in uses(block):
-            if isinstance(value, Ref):
-                yield _Use(value, block.name, block.name)
+            if isinstance(value, Ref) and value.id in own:
+                yield value.id, block.name, block.name
 
 
 def _inverted(function: Function, ends: _Ends) -> Function:
@@ -170,8 +164,8 @@ def _inverted(function: Function, ends: _Ends) -> Function:
     header = ends.header
     copies = {source: _copy(header, source, fresh) for source in ends.sources}
     above = dominators(function)
-    behind = {use.value.id for use in _uses(function) if ends.after in above[use.at]}
     types = defined_types(header)
+    behind = {ident for ident, _, at in _uses(function, types) if ends.after in above[at]}
     renamed: dict[int, Value] = {i: Ref(fresh("behind", i)) for i in types if i in behind}
     blocks = []
     for block in function.blocks:
