@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping as ReadOnly
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 from vividc.arch.fabric import Fabric
@@ -164,9 +164,17 @@ class _Loops:
     kernel: Kernel
     fabric: Fabric
     runs: Runs
+    _traffic: dict[tuple[int, int], tuple[Mapping, Traffic]] = field(default_factory=dict)
+    """By region and the identity of its mapping, which is kept so that no other one gets it."""
 
     def traffic(self, index: int, mapping: Mapping) -> Traffic:
-        """Of a mapped loop."""
+        """Of a mapped loop, which keeps what was found of it."""
+        key = index, id(mapping)
+        if key not in self._traffic:
+            self._traffic[key] = mapping, self._traffic_of(index, mapping)
+        return self._traffic[key][1]
+
+    def _traffic_of(self, index: int, mapping: Mapping) -> Traffic:
         times = {node: place.time for node, place in mapping.places.items()}
         dfg, weight = self.kernel.regions[index].dfg, self.runs.iterations[index]
         return Traffic.of(dfg, self.fabric.scratchpad, mapping.ii, times, weight)

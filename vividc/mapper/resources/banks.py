@@ -136,14 +136,33 @@ class Traffic:
     def _stalls_of(self, accesses: Sequence[Node], known: Words) -> float:
         if len(accesses) < 2:  # noqa: PLR2004 - it takes two to meet
             return 0.0
+        if self.times is not None:
+            return self._stalls_of_slots(accesses, self.times, known)
         buckets = self.ii * self.banks
         places = np.stack([self._places(node, known) for node in accesses])
-        places += np.arange(_DRAWN) * (buckets + 1)  # the one more: for what is idle
-        counts = np.bincount(places.ravel(), minlength=_DRAWN * (buckets + 1))
-        counts = counts.reshape(_DRAWN, buckets + 1)[:, :-1].reshape(-1, self.banks)
-        waits = np.maximum(counts.max(axis=1) - 1, 0).reshape(_DRAWN, self.ii).sum(axis=1)
-        tried = 1 if self.times is not None else _CHOICES
-        return float(waits.reshape(tried, -1).mean(axis=1).min())
+        waits = _waits(places, buckets, self.banks)
+        return float(waits.reshape(_CHOICES, -1).mean(axis=1).min())
+
+    def _stalls_of_slots(
+        self, accesses: Sequence[Node], times: Mapping[int, int], known: Words
+    ) -> float:
+        """Accesses of different slots do not meet: each slot counts by itself, and anew only where
+        another word is known of its addresses.
+        """
+        slots: dict[int, list[Node]] = {}
+        for node in accesses:
+            slots.setdefault(times[node.id] % self.ii, []).append(node)
+        total = 0.0
+        for slot, nodes in slots.items():
+            if len(nodes) < 2:  # noqa: PLR2004 - as above
+                continue
+            key = tuple((n.id, tuple(map(known.get, _words_in(n)))) for n in nodes)
+            if key not in self._stalls:
+                places = np.stack([self._places(node, known) for node in nodes])
+                banks = np.minimum(places - slot * self.banks, self.banks)
+                self._stalls[key] = float(_waits(banks, self.banks, self.banks).mean())
+            total += self._stalls[key]
+        return total
 
     def meetings(self, known: Words = NOTHING) -> Meetings:
         """Of each two accesses, whenever they start; those that wait for the rest of an iteration
@@ -190,6 +209,16 @@ class Traffic:
         if node.id not in self.predicated:
             return places
         return np.where(_drawn("predicate", _IDLE) == 0, self.ii * self.banks, places)
+
+
+def _waits(places: _Draws, buckets: int, banks: int) -> _Draws:
+    """Cycles that a tile stands still in each draw, as accesses (by row) lie in these buckets of
+    `banks` each; what lies in the one behind them is idle.
+    """
+    apart = places + np.arange(_DRAWN) * (buckets + 1)
+    counts = np.bincount(apart.ravel(), minlength=_DRAWN * (buckets + 1))
+    counts = counts.reshape(_DRAWN, buckets + 1)[:, :-1].reshape(-1, banks)
+    return np.maximum(counts.max(axis=1) - 1, 0).reshape(_DRAWN, -1).sum(axis=1)
 
 
 def best_pitches(traffic: Sequence[Traffic], matrices: Iterable[str]) -> dict[str, int]:
