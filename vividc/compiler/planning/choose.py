@@ -11,13 +11,12 @@ from vividc.compiler.planning.candidates import (
     MOST_ITERATIONS,
     Candidate,
     Kind,
-    apply,
 )
 from vividc.compiler.planning.demands import obey
 from vividc.compiler.planning.estimate import Estimate, Estimator
 from vividc.compiler.planning.interleave import loops_around_waiting
 from vividc.compiler.planning.options import LoopOptions
-from vividc.compiler.planning.parts import joined_parts, static_part, with_tree
+from vividc.compiler.planning.parts import joined_parts, static_part
 from vividc.compiler.planning.plan import Draft, Plan, Stage, better_last, clearly_better
 from vividc.compiler.planning.restructure import Restructured, restructured, restructured_together
 from vividc.compiler.planning.state import State
@@ -346,8 +345,7 @@ class _Chooser(Draft):
     def _take(self, header: str, form: Restructured) -> None:
         """Gives a static-control part loops that were found before."""
         base = self.now
-        trips = expected_trips(base.state.function, base.state.hints)
-        state = with_tree(base.state, header, form.order, form.tree, trips)
+        state = self.with_nest(base.state, header, form.order, form.tree)
         if isinstance(state, State):
             estimate = self.estimator.estimate(state.function, state.hints)
             candidate = Candidate("restructuring", header, form.factor)
@@ -430,8 +428,7 @@ class _Chooser(Draft):
     def _evaluate(self, base: Stage, candidate: Candidate) -> Stage | None:
         """The stage after the candidate if it pays; the decision is noted."""
         time_limit.step("loop transformations were chosen")
-        trips = expected_trips(base.state.function, base.state.hints)
-        state = apply(base.state, candidate, trips)
+        state = self.applied(base.state, candidate)
         if isinstance(state, Refusal):
             self.note(base, candidate, None, state.reason)
             return None

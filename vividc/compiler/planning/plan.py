@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass, field
 
-from vividc.compiler.planning.candidates import Candidate, Kind
+from vividc.compiler.planning.candidates import Candidate, Kind, apply
 from vividc.compiler.planning.estimate import Estimate, Estimator
 from vividc.compiler.planning.options import LoopOptions
+from vividc.compiler.planning.parts import with_tree
 from vividc.compiler.planning.state import State
 from vividc.errors import SourceLoc
+from vividc.ssa.analysis.frequency import expected_trips
 from vividc.ssa.flow import Loop, find_loops
+from vividc.ssa.polyhedral.orders.search import describe
+from vividc.ssa.polyhedral.trees import Loop as Nest
+from vividc.ssa.rewrite.refusal import Refusal
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +100,10 @@ class Draft:
     parallel: frozenset[int] = frozenset()
     decisions: list[Decision] = field(default_factory=list)
     fixed: set[str] = field(default_factory=set)
+    _made: dict[tuple[Hashable, ...], tuple[State, State | Refusal]] = field(default_factory=dict)
+    """By the identity of the state that something was made of, which is kept so that no other one
+    gets it, and what was made: several ways to a plan begin alike.
+    """
 
     def start(self, state: State) -> None:
         """`state` is what transformations begin with; it is no stage of its own."""
@@ -104,6 +113,31 @@ class Draft:
         """Goes on from a stage."""
         self.now = stage
         self.stages.append(stage)
+
+    def applied(self, state: State, candidate: Candidate) -> State | Refusal:
+        """The state after a candidate: the same one each time, of which the estimate is known."""
+
+        def make() -> State | Refusal:
+            return apply(state, candidate, expected_trips(state.function, state.hints))
+
+        return self._once(state, (candidate,), make)
+
+    def with_nest(self, state: State, header: str, order: int, nest: Nest) -> State | Refusal:
+        """As `with_tree`, the same state each time."""
+
+        def make() -> State | Refusal:
+            trips = expected_trips(state.function, state.hints)
+            return with_tree(state, header, order, nest, trips)
+
+        return self._once(state, (header, order, describe(nest)), make)
+
+    def _once(
+        self, state: State, what: tuple[Hashable, ...], make: Callable[[], State | Refusal]
+    ) -> State | Refusal:
+        key = (id(state), *what)
+        if key not in self._made:
+            self._made[key] = state, make()
+        return self._made[key][1]
 
     def note(
         self, base: Stage, candidate: Candidate, estimate: Estimate | None, reason: str

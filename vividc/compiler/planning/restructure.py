@@ -235,6 +235,7 @@ class _Climb:
     most_operations: int
     are_two: bool = False
     _tried: dict[str, Restructured | None] = field(default_factory=dict)
+    _loops: dict[str, Loops | Refusal] = field(default_factory=dict)
     _smaller: int = 0
     """So many of the first factors take too many contexts in an order that was tried."""
 
@@ -411,7 +412,10 @@ class _Climb:
         return self._tried.get(name)
 
     def _made(self, tree: Loop, *, carries: bool = True) -> Restructured | None:
-        loops = loops_of(tree, self.relations)
+        name = describe(tree)
+        if name not in self._loops:
+            self._loops[name] = loops_of(tree, self.relations)
+        loops = self._loops[name]
         if isinstance(loops, Refusal) or self._is_too_large(loops):
             return None
         made = with_loops(
