@@ -28,7 +28,7 @@ from vividc.compiler.planning.budget import Budget
 from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.estimate import Estimator, Shape, Spaces
 from vividc.compiler.planning.explain import loop_reports
-from vividc.compiler.planning.fallback import Outcome, settle
+from vividc.compiler.planning.fallback import Outcome, Race, settle
 from vividc.compiler.planning.options import FlatLoopOptions, LoopOptions, loop_options
 from vividc.compiler.planning.plan import Plan, Stage
 from vividc.compiler.planning.price import priced
@@ -49,7 +49,7 @@ from vividc.frontend import KernelFunction, LLKernel
 from vividc.frontend.like import Like
 from vividc.gemm.kernels.choice import AUTO, GPU, check_kernel_mode
 from vividc.host import compiled_files, time_limit, watch
-from vividc.host.watch import run_passes, timed, watched
+from vividc.host.watch import is_watched, run_passes, timed, watched
 from vividc.machine.parallel import Parallel
 from vividc.mapper import EffortLevel, check_effort, check_time_limit
 from vividc.mapper.deadline import limited
@@ -319,7 +319,7 @@ def compile_stages(
     plan = planned(function, estimator, options, parallel)
     earlier = Earlier()
 
-    def attempt(stage: Stage, last_resort: bool) -> Outcome:
+    def attempt(stage: Stage, last_resort: bool, below: float) -> Outcome | None:
         limit_s = budget.share(last_resort).remaining_s
         guard_s = time_limit.remaining_s()
         if not last_resort and budget.whole.remaining_s:
@@ -327,7 +327,7 @@ def compile_stages(
         with guarded(guard_s, grace_s=math.inf if last_resort else 0.0):
             shared = replace(options, time_limit_s=limit_s)
             before = replace(earlier, hopeless={}) if last_resort else earlier
-            return _map_stage(stage, estimator, shared, before, last_resort)
+            return _map_stage(stage, estimator, shared, before, last_resort, below)
 
     with limited(options.time_limit_s) as whole:
         budget = Budget.of(whole)
@@ -369,9 +369,10 @@ def _map_stage(
     options: CompileOptions,
     earlier: Earlier,
     last_resort: bool,
-) -> Outcome:
+    below: float,
+) -> Outcome | None:
     """Maps a stage; a loop that cannot be modulo-scheduled (in time) runs block by block, unless
-    it is a transformed one.
+    it is a transformed one. None: it is sure to take so many cycles; whoever looks on sees it all.
     """
     sequential: dict[str, str] = {}
     demanded = frozenset[str]() if last_resort else frozenset(stage.state.made)
@@ -383,10 +384,20 @@ def _map_stage(
         function = spaced(function, estimator, stage.state.hints)
         kernel = _kernel_of(function, estimator)
         runs = Runs.of(estimator.expected(function, kernel, stage.state.hints))
+        race = Race(estimator, function, stage.state.hints, math.inf if is_watched() else below)
         mapping = partial(
-            map_kernel, kernel, estimator.fabric, options, earlier, demanded=demanded, runs=runs
+            map_kernel,
+            kernel,
+            estimator.fabric,
+            options,
+            earlier,
+            demanded=demanded,
+            runs=runs,
+            is_lost=partial(race.is_lost, kernel),
         )
         made = watched("map", mapping)
+        if made is None:
+            return None
         if not isinstance(made, Unmapped):
             break
         if not demanded.isdisjoint(made.headers):

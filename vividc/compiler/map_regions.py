@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Mapping as ReadOnly
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
@@ -21,9 +22,14 @@ from vividc.mapper.bounds.straight import straight_lower_bound
 from vividc.mapper.check.verify import violations
 from vividc.mapper.deadline import Deadline, limited
 from vividc.mapper.engines.list_schedule import list_schedule
+from vividc.mapper.engines.negotiate import least_span
 from vividc.mapper.mapping import Mapping, Status
+from vividc.program.encoder.checks import span_of
 
 Progress = Callable[[str], None]
+
+IsLost = Callable[[ReadOnly[int, tuple[int, int]]], bool]
+"""Whether a kernel is of no use whose regions have at least these IIs and spans, by index."""
 
 _SEARCH = "the search for mappings"
 
@@ -98,7 +104,8 @@ def map_kernel(
     *,
     demanded: frozenset[str] = frozenset(),
     runs: Runs | None = None,
-) -> tuple[Kernel, dict[int, MapResult]] | Unmapped:
+    is_lost: IsLost = lambda _: False,
+) -> tuple[Kernel, dict[int, MapResult]] | Unmapped | None:
     """Maps all regions: loops first, then straight regions around them.
 
     Parameters
@@ -111,11 +118,13 @@ def map_kernel(
     runs
         How often regions are expected to run: loops are mapped for few bank stalls, too, unless
         the effort is "fast".
+    is_lost
+        Whether the kernel is of no use, as regions take as many cycles; asked as they are mapped.
 
     Returns
     -------
     The kernel whose straight regions hold their deliveries, and the result of each region by index;
-    or the loops that have no mapping.
+    or the loops that have no mapping; or None, if it is of no use.
 
     Raises
     ------
@@ -130,15 +139,42 @@ def map_kernel(
         results = _map_loops(kernel, fabric, options, earlier.loops, demanded, effort)
         if isinstance(results, Unmapped):
             return results
+        if is_lost(_least(kernel, fabric, results)):
+            return None
         chosen = results
         if runs is not None and options.mapper == "auto" and options.effort != "fast":
             chosen = with_fewer_cycles(kernel, fabric, results, runs, effort)
+        before, after = (_spans(kernel, fabric, loops) for loops in (results, chosen))
+        if is_lost({index: min(span, after[index]) for index, span in before.items()}):
+            return None
         try:
             return _with_straight(kernel, fabric, options, chosen, frugal=False)
         except MappingFailed:  # what the first ones took may be what the last ones need
             return _with_straight(
-                kernel, fabric, options, results, frugal=True, hopeless=earlier.hopeless
+                kernel,
+                fabric,
+                options,
+                results,
+                frugal=True,
+                hopeless=earlier.hopeless,
+                is_lost=is_lost,
             )
+
+
+def _spans(
+    kernel: Kernel, fabric: Fabric, results: dict[int, MapResult]
+) -> dict[int, tuple[int, int]]:
+    """The II and the span of each mapped region."""
+    found = ((index, mapping_of(result)) for index, result in results.items())
+    return {i: (made.ii, span_of(kernel.regions[i], made, fabric)) for i, made in found}
+
+
+def _least(
+    kernel: Kernel, fabric: Fabric, results: dict[int, MapResult]
+) -> dict[int, tuple[int, int]]:
+    """The II of each mapped loop, and the span that no mapping at this II is shorter than."""
+    found = ((index, mapping_of(result).ii) for index, result in results.items())
+    return {i: (ii, least_span(MapProblem(kernel.regions[i].dfg, fabric), ii)) for i, ii in found}
 
 
 def _with_straight(
@@ -149,7 +185,8 @@ def _with_straight(
     *,
     frugal: bool,
     hopeless: dict[DFG, MappingFailed] | None = None,
-) -> tuple[Kernel, dict[int, MapResult]]:
+    is_lost: IsLost = lambda _: False,
+) -> tuple[Kernel, dict[int, MapResult]] | None:
     """The kernel with deliveries, and the results of loops with those of straight regions; `frugal`
     as in `list_schedule`. The one that fails is kept in `hopeless`.
     """
@@ -170,6 +207,8 @@ def _with_straight(
             if hopeless is not None:
                 hopeless[_unnamed(region.dfg)] = error
             raise
+        if is_lost(_spans(kernel, fabric, results)):
+            return None
         regions[index] = replace(region, dfg=ready.dfg)
         done.append((ready.dfg, mapping_of(results[index])))
     return replace(kernel, regions=tuple(regions)), results

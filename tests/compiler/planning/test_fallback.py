@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -11,10 +12,11 @@ import vividc
 from tests.compiler.planning.test_choose import MACHINE, plan, product
 from vividc.compiler import driver
 from vividc.compiler.map_regions import Unmapped
-from vividc.compiler.planning.estimate import Estimate, RegionCost, Shape
-from vividc.compiler.planning.fallback import Outcome, settle
+from vividc.compiler.planning.estimate import Estimate, Estimator, RegionCost, Shape
+from vividc.compiler.planning.fallback import Outcome, Race, settle
 from vividc.compiler.planning.plan import Plan, Stage
 from vividc.dfg.ir import DFG
+from vividc.dfg.pipeline import PassOptions
 from vividc.errors import MappingFailed, TimeLimit
 from vividc.mapper import MapProblem, MapResult
 from vividc.mapper.deadline import EFFORT_SHARE, Deadline
@@ -45,7 +47,7 @@ def hot(cycles: float, *, by_block: bool) -> Outcome:
 
 def test_the_last_stage_that_is_as_good_as_estimated_is_kept() -> None:
     stages = made(100, 50, 25)
-    settled = settle(stages, lambda stage, _: fake(stage, stage.estimate.cycles + 5))
+    settled = settle(stages, lambda stage, *_: fake(stage, stage.estimate.cycles + 5))
     assert settled.index == 2
     assert settled.dropped == {}
 
@@ -53,7 +55,7 @@ def test_the_last_stage_that_is_as_good_as_estimated_is_kept() -> None:
 def test_a_stage_that_does_not_map_gives_way_to_the_one_before() -> None:
     stages = made(100, 50, 25)
 
-    def attempt(stage: Stage, _: bool) -> Outcome:
+    def attempt(stage: Stage, *_: object) -> Outcome:
         if stage is stages.stages[2]:
             raise TimeLimit("too slow")
         return fake(stage, stage.estimate.cycles)
@@ -66,9 +68,9 @@ def test_a_stage_that_does_not_map_gives_way_to_the_one_before() -> None:
 def test_a_reserve_is_mapped_only_if_the_stage_after_it_is_not() -> None:
     first, reserve, best = made(100, 20, 25).stages
     stages = Plan((first, replace(reserve, reserve=True), best))
-    assert settle(stages, lambda stage, _: fake(stage, stage.estimate.cycles)).index == 2
+    assert settle(stages, lambda stage, *_: fake(stage, stage.estimate.cycles)).index == 2
 
-    def attempt(stage: Stage, _: bool) -> Outcome:
+    def attempt(stage: Stage, *_: object) -> Outcome:
         if stage is best:
             raise TimeLimit("too many contexts")
         return fake(stage, stage.estimate.cycles)
@@ -79,7 +81,7 @@ def test_a_reserve_is_mapped_only_if_the_stage_after_it_is_not() -> None:
 def test_a_stage_that_turns_out_slower_gives_way() -> None:
     stages = made(100, 50, 25)
     achieved = {id(stages.stages[2]): 80.0, id(stages.stages[1]): 50.0}
-    settled = settle(stages, lambda stage, _: fake(stage, achieved.get(id(stage), 100.0)))
+    settled = settle(stages, lambda stage, *_: fake(stage, achieved.get(id(stage), 100.0)))
     assert settled.index == 1
     assert "slower" in settled.dropped[2]
 
@@ -87,18 +89,18 @@ def test_a_stage_that_turns_out_slower_gives_way() -> None:
 def test_a_stage_before_that_is_not_better_after_all_is_not_taken() -> None:
     stages = made(100, 50)
     achieved = {id(stages.stages[1]): 110.0}
-    settled = settle(stages, lambda stage, _: fake(stage, achieved.get(id(stage), 120.0)))
+    settled = settle(stages, lambda stage, *_: fake(stage, achieved.get(id(stage), 120.0)))
     assert settled.index == 1
 
 
 def test_what_the_user_asks_for_need_not_pay() -> None:
     stages = replace(made(100, 200), asked=1)
-    settled = settle(stages, lambda stage, _: fake(stage, stage.estimate.cycles))
+    settled = settle(stages, lambda stage, *_: fake(stage, stage.estimate.cycles))
     assert settled.index == 1
 
 
 def test_the_kernel_as_written_is_the_last_resort() -> None:
-    def attempt(stage: Stage, last_resort: bool) -> Outcome:
+    def attempt(stage: Stage, last_resort: bool, _: float) -> Outcome:
         raise MappingFailed("last" if last_resort else "transformed")
 
     with pytest.raises(MappingFailed, match="last"):
@@ -129,11 +131,42 @@ def test_a_hot_loop_block_by_block_never_beats_a_mapped_one() -> None:
     """Whatever the trips that are assumed say of the two."""
     outcomes = {1: hot(20, by_block=True), 0: hot(300, by_block=False)}
     stages = made(100, 50)
-    settled = settle(stages, lambda stage, _: outcomes[stages.stages.index(stage)])
+    settled = settle(stages, lambda stage, *_: outcomes[stages.stages.index(stage)])
     assert settled.index == 0
     outcomes = {1: hot(300, by_block=False), 0: hot(20, by_block=True)}
-    settled = settle(stages, lambda stage, _: outcomes[stages.stages.index(stage)])
+    settled = settle(stages, lambda stage, *_: outcomes[stages.stages.index(stage)])
     assert settled.index == 1
+
+
+def test_a_stage_is_asked_to_take_less_than_the_best_so_far() -> None:
+    """One that is sure not to is not kept, and those before it may be better yet."""
+    stages = made(60, 55, 50)
+    asked: list[float] = []
+
+    def attempt(stage: Stage, _: bool, below: float) -> Outcome | None:
+        asked.append(below)
+        return None if len(asked) == 2 else fake(stage, 70.0 / len(asked))
+
+    settled = settle(stages, attempt)
+    assert asked == [math.inf, 70.0, 70.0]
+    assert settled.index == 0
+    assert list(settled.dropped) == [2]
+
+
+def test_a_race_is_lost_by_the_bounds_of_what_is_not_mapped_yet() -> None:
+    estimator = Estimator(MACHINE, PassOptions(False))
+    stage = plan(product, auto=False).stages[0]
+    hints = stage.state.hints
+    function = estimator.prepared(stage.state.function, hints)
+    kernel = estimator.built(function)
+    least = stage.estimate.least
+    [loop] = [i for i, region in enumerate(kernel.regions) if region.kind == "loop"]
+    shape = estimator.shape(kernel.regions[loop])
+    for below, ii, lost in ((least / 2, shape.ii, True), (2 * least, shape.ii, False)):
+        race = Race(estimator, function, hints, below)
+        assert race.is_lost(kernel, {loop: (ii, shape.span)}) is lost
+    assert Race(estimator, function, hints, 2 * least).is_lost(kernel, {loop: (99, shape.span)})
+    assert not Race(estimator, function, hints, math.inf).is_lost(kernel, {loop: (99, 99)})
 
 
 def test_an_estimate_tells_what_it_allows_for_routing() -> None:

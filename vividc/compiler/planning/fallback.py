@@ -4,15 +4,17 @@ turns out faster.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 
-from vividc.compiler.planning.estimate import Estimate
+from vividc.compiler.planning.estimate import Estimate, Estimator
 from vividc.compiler.planning.plan import Plan, Stage
 from vividc.dfg.regions import Kernel
 from vividc.errors import VividcError
 from vividc.mapper.result import MapResult
 from vividc.program import Program
+from vividc.ssa.ir import Function
 
 
 @dataclass(frozen=True)
@@ -46,8 +48,43 @@ class Settled:
     dropped: dict[int, str]
 
 
-Attempt = Callable[[Stage, bool], Outcome]
-"""Maps a stage; the flag says that it is the kernel as written, the last resort."""
+@dataclass(frozen=True)
+class Race:
+    """A stage that is of use only if it takes less than `below` cycles, as others are counted.
+
+    Attributes
+    ----------
+    function, hints
+        Of the stage, as its regions are built.
+    """
+
+    estimator: Estimator
+    function: Function
+    hints: Mapping[str, float]
+    below: float
+
+    def is_lost(self, kernel: Kernel, known: Mapping[int, tuple[int, int]]) -> bool:
+        """Whether it is sure to take that long.
+
+        Parameters
+        ----------
+        known
+            The least II and span of regions, by index; straight ones have bounds otherwise.
+        """
+        if self.below == math.inf:
+            return False
+        built = self.estimator.built(self.function)
+        shapes = [replace(self.estimator.shape(region), stalls=0.0) for region in built.regions]
+        for index, (ii, span) in known.items():
+            shapes[index] = replace(shapes[index], ii=ii, span=span)
+        cycles = self.estimator.priced(self.function, kernel, shapes, self.hints).cycles
+        return self.below <= cycles < math.inf
+
+
+Attempt = Callable[[Stage, bool, float], Outcome | None]
+"""Maps a stage; the flag says that it is the kernel as written, the last resort. None: it is sure
+to take as many cycles as the number says, or more.
+"""
 
 
 def settle(plan: Plan, attempt: Attempt) -> Settled:
@@ -66,22 +103,30 @@ def settle(plan: Plan, attempt: Attempt) -> Settled:
         if best is not None and plan.stages[index].reserve:
             continue
         try:
-            outcome = attempt(plan.stages[index], index == 0)
+            outcome = attempt(plan.stages[index], index == 0, _below(best))
         except VividcError as error:
             if index == 0 and best is None:
                 raise
             dropped[index] = f"taken back: {error.reason}"
             continue
-        if best is None or _rank(outcome) < _rank(best.outcome):
+        if outcome and (best is None or _rank(outcome) < _rank(best.outcome)):
             if best is not None:
                 dropped[best.index] = "taken back: slower than without it once mapped"
             best = Settled(outcome, index, dropped)
+        assert best is not None
         if index <= plan.asked:  # what the user asks for need not pay
             break
         if _rank(best.outcome) <= (False, _least(plan, index)):
             break
     assert best is not None
     return best
+
+
+def _below(best: Settled | None) -> float:
+    """Cycles that a stage must take less of to be better; infinite: any may be."""
+    if best is None or _rank(best.outcome)[0]:
+        return math.inf
+    return best.outcome.achieved.cycles
 
 
 def _rank(outcome: Outcome) -> tuple[bool, float]:
