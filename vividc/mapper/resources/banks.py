@@ -218,7 +218,8 @@ def _waits(places: _Draws, buckets: int, banks: int) -> _Draws:
     apart = places + np.arange(_DRAWN) * (buckets + 1)
     counts = np.bincount(apart.ravel(), minlength=_DRAWN * (buckets + 1))
     counts = counts.reshape(_DRAWN, buckets + 1)[:, :-1].reshape(-1, banks)
-    return np.maximum(counts.max(axis=1) - 1, 0).reshape(_DRAWN, -1).sum(axis=1)
+    waits: _Draws = np.maximum(counts.max(axis=1) - 1, 0).reshape(_DRAWN, -1)
+    return np.asarray(waits.sum(axis=1))
 
 
 def best_pitches(traffic: Sequence[Traffic], matrices: Iterable[str]) -> dict[str, int]:

@@ -434,10 +434,8 @@ class Places:
         if one.is_scalar:
             return False
         met = zeros(gaps)
-        if met is None:
-            return False
-        tests = moved(guard if self.shares else ALWAYS, met.solved)
-        if tests is None:
+        tests = None if met is None else moved(guard if self.shares else ALWAYS, met.solved)
+        if met is None or tests is None:
             return False
         if (met.forms, tests) not in self._meet:
             self._meet[met.forms, tests] = self._has_solution(met.forms, tests)
