@@ -148,7 +148,7 @@ def map_kernel(
         if is_lost({index: min(span, after[index]) for index, span in before.items()}):
             return None
         try:
-            return _with_straight(kernel, fabric, options, chosen, frugal=False)
+            return _with_straight(kernel, fabric, options, chosen, frugal=False, is_lost=is_lost)
         except MappingFailed:  # what the first ones took may be what the last ones need
             return _with_straight(
                 kernel,

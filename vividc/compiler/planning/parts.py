@@ -44,11 +44,14 @@ class Regenerated:
         Names of the loops, by the block that runs as often: their headers and bodies' branches.
     factor
         The most iterations that one of these loops runs together.
+    carries
+        Registers carry elements from one iteration to the next.
     """
 
     state: State
     loops: Mapping[str, str]
     factor: int
+    carries: bool
 
     def hints(self, loops: Loops, symbols: Mapping[str, float]) -> dict[str, float]:
         """How often blocks run for other values of the symbols."""
@@ -150,7 +153,7 @@ def with_loops(
         for new, one in made.loops.items()
     }
     factor = max((loop.code.step for loop in made.loops.values()), default=1)
-    found = Regenerated(state, blocks, factor)
+    found = Regenerated(state, blocks, factor, made.carries)
     changed = State(
         function,
         {**state.hints, **found.hints(loops, symbols)},

@@ -111,7 +111,8 @@ class Restructured:
 
     `cycles`: the mean of what is estimated of it for symbols as they are expected, and larger; what
     is best for one is not for the other. `order`: which of the part's
-    `written_orders` the tree is of.
+    `written_orders` the tree is of. `carries`: registers carry elements from one iteration to the
+    next.
     """
 
     state: State
@@ -120,6 +121,7 @@ class Restructured:
     tree: Loop
     factor: int
     cycles: float
+    carries: bool
 
 
 def restructured(
@@ -291,7 +293,7 @@ class _Climb:
         """A form with loads of what iterations could carry, if that is better: what they carry is
         loaded before the loop.
         """
-        made = self._made(best.tree, carries=False)
+        made = self._made(best.tree, carries=False) if best.carries else None
         if made is not None and made.cycles < best.cycles:
             yield made
 
@@ -435,7 +437,8 @@ class _Climb:
             return None
         large = self.estimator.estimate(function, {**hints, **made.hints(loops, self.larger)})
         mean = math.sqrt(estimate.cycles * large.cycles)
-        return Restructured(made.state, estimate, self.order, tree, made.factor, mean)
+        state, factor, carries = made.state, made.factor, made.carries
+        return Restructured(state, estimate, self.order, tree, factor, mean, carries)
 
     def _is_too_large(self, loops: Loops) -> bool:
         """Whether an innermost loop is sure to have too many operations, even if two instructions

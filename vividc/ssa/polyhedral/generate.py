@@ -44,12 +44,14 @@ class Made:
 @dataclass(frozen=True)
 class Generated:
     """A function with other loops in place of a part; `loops` are the new ones by header, and
-    `branches` the names of branches by the block that runs where the test holds.
+    `branches` the names of branches by the block that runs where the test holds. `carries`: it
+    would be another function without `carries`.
     """
 
     function: Function
     loops: Mapping[str, Made]
     branches: Mapping[str, str]
+    carries: bool
 
 
 class _Unkept(Exception):
@@ -116,7 +118,8 @@ class _Writer:
         last = self._name
         self._close(Branch(scop.exit, loc=header.branch.loc))
         finals = {phi.id: self.registers.known[Place(phi.id, ())].value for phi in carried}
-        return Generated(substitute(self._spliced(first, last), finals), self.made, self.branches)
+        function = substitute(self._spliced(first, last), finals)
+        return Generated(function, self.made, self.branches, bool(self.places.carried))
 
     def _spliced(self, first: str, last: str) -> Function:
         scop = self.scop

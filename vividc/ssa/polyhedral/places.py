@@ -147,6 +147,8 @@ class Places:
     rows: Mapping[str, Rows] = field(default_factory=dict)
     carries: bool = True
     shares: bool = False
+    carried: set[Place] = field(default_factory=set)
+    """Places that are something else, or known for longer, as registers carry elements."""
     _meet: dict[tuple[tuple[Form, ...], Guard], bool] = field(default_factory=dict)
     _accessed: dict[tuple[str, frozenset[str]], bool] = field(default_factory=dict)
     _row: dict[tuple[str, Form], int | None] = field(default_factory=dict)
@@ -281,6 +283,7 @@ class Places:
             elif self.carries and not written:
                 if not self.is_met(place, within):
                     result[place] = guards[0]
+                    self.carried.update([place] if self.is_met(place, own) else [])
             elif not any((written or w) and self.may_meet(place, p) for p, w in others):
                 result[place] = guards[0]
         return result
@@ -308,6 +311,7 @@ class Places:
             if implies(guard, other) and not any(
                 self.may_meet(place, p) or self.may_meet(source, p) for p in others
             ):
+                self.carried.add(place)
                 yield Rotated(place, source, guard, load)
 
     def streams(self, loop: For, accessed: Accessed) -> Iterator[Stream]:
@@ -330,6 +334,7 @@ class Places:
                 chain.append(behind)
             made = self._stream(loop, accessed, tuple(chain))
             if made is not None:
+                self.carried.add(top)
                 yield made
 
     def _stream(self, loop: For, accessed: Accessed, chain: tuple[Place, ...]) -> Stream | None:

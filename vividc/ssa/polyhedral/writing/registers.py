@@ -77,6 +77,7 @@ class Registers:
             if other == place or other.is_scalar or not self.places.may_meet(place, other, there):
                 continue
             if self.places.carries:
+                self.places.carried.add(other)
                 self._meet(other, place, kept, guard)
             else:
                 self.drop(other)
