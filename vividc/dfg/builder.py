@@ -68,7 +68,7 @@ class GraphBuilder:
         lane: Lane | None = None,
     ) -> Operand:
         """A new node of `op` fed by `operands` on ports 0, 1, ..."""
-        return self.add_node(Node(0, op, loc=loc, lane=lane), operands)
+        return self.add_node(Node(len(self._nodes), op, loc=loc, lane=lane), operands)
 
     def add_node(
         self,
@@ -79,7 +79,7 @@ class GraphBuilder:
     ) -> Operand:
         """`node` under an id of this graph, fed by `operands`, by `pred` and by `base`."""
         ident = len(self._nodes)
-        self._nodes.append(replace(node, id=ident))
+        self._nodes.append(node if node.id == ident else replace(node, id=ident))
         ports = list(enumerate(operands))
         ports += [(PRED, pred)] if pred is not None else []
         ports += [(BASE, base)] if base is not None else []

@@ -61,5 +61,10 @@ def _merged(
 def _key(instr: Instr, known: dict[int, Value]) -> _Key:
     operands = [known.get(v.id, v) if isinstance(v, Ref) else v for v in instr.operands]
     if OPCODES[instr.opcode].commutes:
-        operands[:2] = sorted(operands[:2], key=repr)
+        operands[:2] = sorted(operands[:2], key=_order)
     return instr.opcode, instr.type, tuple(operands)
+
+
+def _order(value: Value) -> tuple[int, str]:
+    """Operands that may be swapped come in this order."""
+    return (value.id, "") if isinstance(value, Ref) else (-1, repr(value))

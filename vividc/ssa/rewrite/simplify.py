@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Set
 from dataclasses import replace
+from operator import is_
 
 from vividc.host import time_limit
 from vividc.machine.opcodes import OPCODES, Opcode, Type
@@ -72,7 +73,8 @@ def _value(instr: Instr, known: Mapping[int, Value], flags: Set[int]) -> Value |
         return operands[0]
     if instr.op is Opcode.SELECT:
         return _selected(operands)
-    word = constant_value(replace(instr, operands=operands), {})
+    same = all(map(is_, operands, instr.operands))
+    word = constant_value(instr if same else replace(instr, operands=operands), {})
     if word is not None:
         return Const(word)
     return _neutral(instr, operands, flags)
