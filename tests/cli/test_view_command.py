@@ -42,6 +42,22 @@ def test_a_run_and_json(folder, tmp_path):
     assert '"first":5,"end":15' in out.read_text()
 
 
+@vividc.kernel("int32[::1](int32[::1])")
+def doubled(x):
+    out = np.zeros(len(x), np.int32)
+    for i in range(len(x)):
+        out[i] = 2 * x[i]
+    return out
+
+
+def test_what_a_kernel_returns_is_no_input(tmp_path):
+    vividc.compile(doubled, effort="fast").save(tmp_path / "d.vivid")
+    np.savez(tmp_path / "in.npz", x=np.arange(3, dtype=np.int32))
+    done = run(tmp_path / "d.vivid", "--inputs", tmp_path / "in.npz")
+    assert done.exit_code == 0, done.stderr
+    assert "array([0, 2, 4], dtype=int32)" in (tmp_path / "d.html").read_text()
+
+
 def test_the_page_is_opened_when_asked_for(folder, tmp_path, monkeypatch):
     opened = []
     monkeypatch.setattr("webbrowser.open", opened.append)

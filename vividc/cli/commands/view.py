@@ -15,6 +15,7 @@ from vividc.cli.files import check_apart, check_output
 from vividc.cli.reference import scalars_unpacked
 from vividc.cli.reports.report import print_json, progress
 from vividc.host.files import write_whole
+from vividc.machine.params import given
 from vividc.page.runs import WINDOW
 from vividc.page.write import page
 
@@ -70,7 +71,8 @@ def command(
     loaded = vividc.load(program)
     args = None
     if inputs is not None:
-        args = scalars_unpacked(read_arguments(inputs, loaded.params), loaded.params)
+        params = given(loaded.params)
+        args = scalars_unpacked(read_arguments(inputs, params), params)
     with progress(f"drawing {loaded.name}"):
         text = page(loaded, args, cycles=cycles or WINDOW, source=source, folder=program.parent)
     data = text.encode()
