@@ -11,12 +11,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-import numba
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 import vividc
+from tests import hint_kernels as k
 from vividc import arch, dfg
 from vividc.cli import main
 from vividc.frontend import KernelFunction
@@ -44,24 +44,14 @@ class Row:
     mended: Callable[[], object]
 
 
-def add(x, y, n):
-    for i in range(n):
-        y[i] += x[i]
-
-
-def spread(x, y, n):
-    for i in numba.prange(n):
-        y[i] += x[i]
-
-
 SIGNATURE = "void(int32[::1], int32[::1], int32)"
 
 
-def kernel(function=add, signature=SIGNATURE, **how):
+def kernel(function=k.add, signature=SIGNATURE, **how):
     return vividc.kernel(signature, **how)(function)
 
 
-def compiled(function=add, signature=SIGNATURE, fabric="vivid-tile", **how):
+def compiled(function=k.add, signature=SIGNATURE, fabric="vivid-tile", **how):
     return vividc.compile(kernel(function, signature), fabric, effort="fast", **how)
 
 
@@ -87,65 +77,6 @@ WIDE = np.arange(16, dtype=np.int32)
 
 def lowered(function, signature=SIGNATURE):
     return KernelFunction(function, signature, None).lower()
-
-
-def raises(x, y, n):
-    if n > 8:
-        raise ValueError("too many")
-    y[0] = x[0]
-
-
-def flags(x, y, n):
-    if n > 8:
-        y[0] = -1
-    else:
-        y[0] = x[0]
-
-
-def endless(x, y, n):
-    while True:
-        y[0] += x[0]
-
-
-def broken(x, y, n):
-    while True:
-        y[0] += x[0]
-        if y[0] > n:
-            break
-
-
-def unsized(x, y, n):
-    t = np.zeros(x[0], np.float32)
-    y[0] = t[0]
-
-
-def sized(x, y, n):
-    t = np.zeros(len(x), np.float32)
-    y[0] = t[0]
-
-
-def texts(x, y, n):
-    return "done"
-
-
-def numbers(x, y, n):
-    return np.int32(1)
-
-
-def misspelt(x, y, n):
-    y[0] = np.minimun(x[0], n)
-
-
-def spelt(x, y, n):
-    y[0] = np.minimum(x[0], n)
-
-
-def printing(x, y, n):
-    print(x[0])
-
-
-def storing(x, y, n):
-    y[0] = x[0]
 
 
 FABRIC = "extends: mesh-4x4\nname: mine\n"
@@ -193,22 +124,22 @@ ROWS = {
     "index": Row(lambda: run(X, n=9), "an index may leave its array", lambda: run(X, n=8)),
     "save": Row(lambda: ROWS_OF["program"].save(None), r"program\.save\('saxpy", lambda: None),
     "no signature": Row(
-        lambda: vividc.kernel(add), r'@vividc\.kernel\("void\(', lambda: kernel(add)
+        lambda: vividc.kernel(k.add), r'@vividc\.kernel\("void\(', lambda: kernel(k.add)
     ),
     "parameters": Row(
-        lambda: kernel(add, "void(int32[::1])"), "one type for each parameter", kernel
+        lambda: kernel(k.add, "void(int32[::1])"), "one type for each parameter", kernel
     ),
     "layout": Row(
-        lambda: kernel(add, "void(int32[:], int32[::1], int32)"), r"write int32\[::1\]", kernel
+        lambda: kernel(k.add, "void(int32[:], int32[::1], int32)"), r"write int32\[::1\]", kernel
     ),
     "error model": Row(
         lambda: kernel(error_model="fast"), "numpy", lambda: kernel(error_model="numpy")
     ),
-    "undecorated": Row(lambda: vividc.compile(add), r"@vividc\.kernel", lambda: kernel().lower()),
+    "undecorated": Row(lambda: vividc.compile(k.add), r"@vividc\.kernel", lambda: kernel().lower()),
     "threads without prange": Row(
         lambda: compiled(loops=vividc.LoopOptions(threads=2)),
         r"for i in prange\(n\)",
-        lambda: compiled(spread, loops=vividc.LoopOptions(threads=2)),
+        lambda: compiled(k.spread, loops=vividc.LoopOptions(threads=2)),
     ),
     "threads": Row(
         lambda: vividc.LoopOptions(threads=9),
@@ -250,19 +181,43 @@ ROWS = {
         "did you mean `vivid-tile`",
         lambda: arch.load("vivid-tile"),
     ),
-    "raise": Row(lambda: lowered(raises), "return or store a flag", lambda: lowered(flags)),
-    "endless": Row(lambda: lowered(endless), "a condition or a break", lambda: lowered(broken)),
-    "size": Row(lambda: lowered(unsized), r"np\.zeros\(len\(x\)", lambda: lowered(sized)),
+    "raise": Row(lambda: lowered(k.raises), "return or store a flag", lambda: lowered(k.flags)),
+    "endless": Row(lambda: lowered(k.endless), "a condition or a break", lambda: lowered(k.broken)),
+    "size": Row(lambda: lowered(k.unsized), r"np\.zeros\(len\(x\)", lambda: lowered(k.sized)),
     "returned": Row(
-        lambda: lowered(texts, "int32(int32[::1], int32[::1], int32)"),
+        lambda: lowered(k.texts, "int32(int32[::1], int32[::1], int32)"),
         "use integers",
-        lambda: lowered(numbers, "int32(int32[::1], int32[::1], int32)"),
+        lambda: lowered(k.numbers, "int32(int32[::1], int32[::1], int32)"),
     ),
     "spelling": Row(
-        lambda: lowered(misspelt), r"did you mean `np\.minimum`", lambda: lowered(spelt)
+        lambda: lowered(k.misspelt), r"did you mean `np\.minimum`", lambda: lowered(k.spelt)
     ),
     "print": Row(
-        lambda: lowered(printing), "store the values into an array", lambda: lowered(storing)
+        lambda: lowered(k.printing), "store the values into an array", lambda: lowered(k.storing)
+    ),
+    "step of a range": Row(
+        lambda: lowered(k.steps), "if step < 1: return", lambda: lowered(k.positive_steps)
+    ),
+    "step of a slice": Row(
+        lambda: lowered(k.slice_step), "if step < 1: return", lambda: lowered(k.positive_slice_step)
+    ),
+    "assert": Row(lambda: lowered(k.asserts), "return a flag", lambda: lowered(k.flags)),
+    "list": Row(lambda: lowered(k.lists), r"np\.zeros\(16", lambda: lowered(k.arrays)),
+    "dict": Row(lambda: lowered(k.dicts), "keys as indices", lambda: lowered(k.keys_as_indices)),
+    "truth": Row(lambda: lowered(k.truth), r"\.any\(\)", lambda: lowered(k.truth_of_some)),
+    "try": Row(lambda: lowered(k.tries), "test the condition", lambda: lowered(k.tested)),
+    "tuple": Row(lambda: lowered(k.mixed), "choose by if and elif", lambda: lowered(k.chosen)),
+    "complex": Row(lambda: lowered(k.complexes), "integers or floats", lambda: lowered(k.floats)),
+    "generator": Row(lambda: lowered(k.generates), "write a loop", lambda: lowered(k.loops)),
+    "item": Row(lambda: lowered(k.item), r"take an element: x\[0\]", lambda: lowered(k.element)),
+    "undefined": Row(lambda: lowered(k.undefined), "define or import", lambda: lowered(k.defined)),
+    "topology": Row(
+        yaml("rows: 2\ncols: 2\n"),
+        "give it, or inherit it: `extends: vivid-tile`",
+        lambda: (
+            yaml("rows: 2\ncols: 2\ntopology: mesh\n")(),
+            yaml("extends: vivid-tile\nrows: 2\ncols: 2\n")(),
+        ),
     ),
     "key": Row(
         yaml(FABRIC + "controler: {contexts: 8}\n"),

@@ -7,6 +7,7 @@ _FLAG = "the array has no exceptions: return or store a flag instead"
 
 _RAISES = (
     ("range()", "test the step before the loop: if step < 1: return"),
+    ("slice step", "test the step before the slice: if step < 1: return"),
     ("zero-size", "start from the first element and write the loop: best = x[0]"),
     ("empty sequence", "start from the first element and write the loop: best = x[0]"),
     ("cannot assign slice", "write the loop over the elements"),
