@@ -186,6 +186,23 @@ def test_random_trees_of_stencils(seed: int) -> None:
     demand_trees_mean_the_same(seed, nest=random_stencil)
 
 
+def test_a_scalar_has_one_name_in_a_branch_that_says_what_a_counter_is() -> None:
+    """isl writes `if (c1 == c0 + 1) S5(c0, c0 + 1, ...)` in the loop of c1."""
+    seed = 168
+    function = tidy(random_stencil(seed, DTYPES[seed % len(DTYPES)]))
+    [scop] = parts_of(function)
+    relations = Relations(scop)
+    wanted = "i0[S1, i2[S3, i4+1i2[S5], S6], S7]"
+    tree = next(one for one in skewed(tree_of(scop)) if describe(one).startswith(wanted))
+    jammed = with_factors(tree, {(1,): 8, (1, 1): 3})
+    assert is_legal(jammed, relations)
+    loops = loops_of(jammed, relations)
+    assert not isinstance(loops, Refusal)
+    made = generate(scop, loops)
+    assert not isinstance(made, Refusal)
+    demand_same(function, tidy(made.function), describe(jammed), (4, 5, 6))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(8, 700))
 def test_more_random_trees_of_stencils(seed: int) -> None:

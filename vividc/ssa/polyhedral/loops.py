@@ -141,10 +141,12 @@ class _Counted:
                 yield replace(item, then=then, otherwise=otherwise)
 
     def _named(self, dim: str, form: Form, names: tuple[str, ...], known: tuple[str, ...]) -> Form:
-        counters = [name for name in names if (name, dim) in self.counted]
-        if not counters or any(name in form.names for name in counters):
-            return form
-        for name in reversed(counters):
+        """The form by the innermost counter that it is equal to a form of: in a branch that says
+        what this one is, isl writes it by those around.
+        """
+        for name in reversed([name for name in names if (name, dim) in self.counted]):
+            if name in form.names:
+                break
             for other in self.counted[name, dim]:
                 if self._are_equal(form, other, names, known):
                     return other
