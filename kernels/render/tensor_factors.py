@@ -14,6 +14,7 @@ import vividc
 from vividc import lang
 
 ONE = np.uint32(1)
+TWO_BITS = np.uint32(2)
 PLACES = np.uint32(64)
 NO_CELL = np.uint32(0xFFFFFFFF)
 FIRST = np.uint32(8)
@@ -44,9 +45,10 @@ def node(place, last):
 
 
 @njit
-def ask_for_cells(points, low, scale, last, axes, room, seen, where, slots, rows):
+def ask_for_cells(points, low, scale, last, axes, room, seen, where, slots, rows, bits):
     """Ask for the rows, four each, of the plane cells that points lie in, or for none if there are
-    more cells than room.
+    more cells than room. Of rows that hold the next column's numbers, too, there are two: `bits`
+    tells.
 
     `slots` says which cell is a point's, and behind the points' how many there are. A direct-mapped
     cache of 64 remembers cells in `seen` and `where`.
@@ -64,15 +66,18 @@ def ask_for_cells(points, low, scale, last, axes, room, seen, where, slots, rows
         slot = count if new else where[place]
         seen[place] = cell
         where[place] = slot
-        first = np.uint32((min(count, np.uint32(room)) << np.uint32(2)) + ONE)
+        first = np.uint32((min(count, np.uint32(room)) << bits) + ONE)
         rows[first] = cell
-        rows[first + ONE] = np.uint32(cell + ONE)
-        rows[first + np.uint32(2)] = np.uint32(cell + columns)
-        rows[first + np.uint32(3)] = np.uint32(cell + columns + ONE)
+        if bits == ONE:
+            rows[first + ONE] = np.uint32(cell + columns)
+        else:
+            rows[first + ONE] = np.uint32(cell + ONE)
+            rows[first + np.uint32(2)] = np.uint32(cell + columns)
+            rows[first + np.uint32(3)] = np.uint32(cell + columns + ONE)
         slots[i] = slot
         count += ONE if new else np.uint32(0)
     slots[np.uint32(points.shape[0])] = count
-    rows[0] = np.uint32(count << np.uint32(2)) if count <= np.uint32(room) else np.uint32(0)
+    rows[0] = np.uint32(count << bits) if count <= np.uint32(room) else np.uint32(0)
 
 
 @njit
@@ -134,23 +139,55 @@ def halves(word):
 
 
 @njit
-def two_channels(rows, line, cell, start, at):
-    """Two channels of rows of 16 float16, eight words."""
-    above, right = halves(rows[cell]), halves(rows[cell + np.uint32(8)])
-    below, across = halves(rows[cell + np.uint32(16)]), halves(rows[cell + np.uint32(24)])
-    here, there = halves(line[start]), halves(line[start + np.uint32(8)])
+def weights_of(at):
+    """Shares of a cell's corners and of a line's nodes, in words of float16: of both columns in the
+    upper row and in the lower one; of the node and of the next one in the lower and the upper half.
+    """
+    x, y, z = at
+    left, above, here = UNIT - x, UNIT - y, UNIT - z
     return (
-        product(above[0], right[0], below[0], across[0], here[0], there[0], at),
-        product(above[1], right[1], below[1], across[1], here[1], there[1], at),
+        lang.pack_fp16(left * above, x * above),
+        lang.pack_fp16(left * y, x * y),
+        lang.pack_fp16(here, ZERO),
+        lang.pack_fp16(z, ZERO),
+        lang.pack_fp16(ZERO, here),
+        lang.pack_fp16(ZERO, z),
     )
 
 
 @njit
-def four_channels(rows, line, cell, start, at):
-    """Four channels of rows of 16 float16."""
-    a = two_channels(rows, line, cell, start, at)
-    b = two_channels(rows, line, cell + ONE, start + ONE, at)
-    return a[0], a[1], b[0], b[1]
+def two_channels(rows, line, cell, start, w):
+    """Two channels of the plane and of the line; a word of the plane holds a channel in both
+    columns, one of the line two channels.
+    """
+    above, below = rows[cell], rows[cell + np.uint32(16)]
+    one = lang.dot_fp16(below, w[1], lang.dot_fp16(above, w[0], ZERO))
+    above, below = rows[cell + ONE], rows[cell + np.uint32(17)]
+    two = lang.dot_fp16(below, w[1], lang.dot_fp16(above, w[0], ZERO))
+    here, there = line[start], line[start + np.uint32(8)]
+    first = lang.dot_fp16(there, w[3], lang.dot_fp16(here, w[2], ZERO))
+    second = lang.dot_fp16(there, w[5], lang.dot_fp16(here, w[4], ZERO))
+    return one, two, first, second
+
+
+@njit
+def four_products(rows, line, cell, start, w):
+    """Four channels of plane times line, as float8."""
+    a, b, la, lb = two_channels(rows, line, cell, start, w)
+    c, d, lc, ld = two_channels(
+        rows, line, np.uint32(cell + np.uint32(2)), np.uint32(start + ONE), w
+    )
+    return lang.pack_fp8(a * la, b * lb, c * lc, d * ld)
+
+
+@njit
+def four_sum(rows, line, cell, start, w):
+    """Sum of four channels of plane times line."""
+    a, b, la, lb = two_channels(rows, line, cell, start, w)
+    c, d, lc, ld = two_channels(
+        rows, line, np.uint32(cell + np.uint32(2)), np.uint32(start + ONE), w
+    )
+    return a * la + b * lb + (c * lc + d * ld)
 
 
 @vividc.kernel(
@@ -170,7 +207,7 @@ def factor_products(
     low, scale, last = (low_x, low_y, low_z), (scale_x, scale_y, scale_z), (last_x, last_y, last_z)
     axes = axis_x, axis_y, axis_z
     if phase == 0:
-        ask_for_cells(points, low, scale, last, axes, room, seen, where, slots, rows)
+        ask_for_cells(points, low, scale, last, axes, room, seen, where, slots, rows, TWO_BITS)
         return np.int32(0)
     total = np.int32(slots[np.uint32(points.shape[0])])
     samples = points.shape[0] if total <= room else 0
@@ -202,25 +239,29 @@ def factor_products_fp8(
     phase, points, low_x, low_y, low_z, scale_x, scale_y, scale_z, last_x, last_y, last_z,
     axis_x, axis_y, axis_z, room, line, seen, where, slots, rows, out,
 ):  # fmt: skip
-    """`factor_products` of rows of float16, as float8, four channels to a word."""
+    """`factor_products` of float16, as float8, four channels to a word. A row of the plane is 16
+    words, of a channel in its own and the next column; one of the line eight, of two channels.
+    """
     low, scale, last = (low_x, low_y, low_z), (scale_x, scale_y, scale_z), (last_x, last_y, last_z)
     axes = axis_x, axis_y, axis_z
     if phase == 0:
-        ask_for_cells(points, low, scale, last, axes, room, seen, where, slots, rows)
+        ask_for_cells(points, low, scale, last, axes, room, seen, where, slots, rows, ONE)
         return np.int32(0)
     total = np.int32(slots[np.uint32(points.shape[0])])
-    samples = points.shape[0] if total <= room else 0
-    for half in range(2):
-        for i in range(samples):
-            at, start = within(points, i, low, scale, last, axes)
-            cell = np.uint32((slots[i] << np.uint32(5)) + np.uint32(4 * half) + FIRST)
-            start = np.uint32((start << np.uint32(3)) + np.uint32(4 * half))
-            a = four_channels(rows, line, cell, start, at)
-            b = four_channels(rows, line, cell + np.uint32(2), start + np.uint32(2), at)
-            block = np.uint32(i) >> np.uint32(4)
-            sample = np.uint32(i) & np.uint32(15)
-            out[block, 2 * half, sample] = lang.pack_fp8(a[0], a[1], a[2], a[3])
-            out[block, 2 * half + 1, sample] = lang.pack_fp8(b[0], b[1], b[2], b[3])
+    for i in range(points.shape[0] if total <= room else 0):
+        at, start = within(points, i, low, scale, last, axes)
+        w = weights_of(at)
+        cell = np.uint32((slots[i] << np.uint32(5)) + FIRST)
+        start = np.uint32(start << np.uint32(3))
+        block = np.uint32(i) >> np.uint32(4)
+        sample = np.uint32(i) & np.uint32(15)
+        out[block, 0, sample] = four_products(rows, line, cell, start, w)
+        cell, start = np.uint32(cell + np.uint32(4)), np.uint32(start + np.uint32(2))
+        out[block, 1, sample] = four_products(rows, line, cell, start, w)
+        cell, start = np.uint32(cell + np.uint32(4)), np.uint32(start + np.uint32(2))
+        out[block, 2, sample] = four_products(rows, line, cell, start, w)
+        cell, start = np.uint32(cell + np.uint32(4)), np.uint32(start + np.uint32(2))
+        out[block, 3, sample] = four_products(rows, line, cell, start, w)
     return total
 
 
@@ -237,7 +278,7 @@ def factor_sums(
     low, scale, last = (low_x, low_y, low_z), (scale_x, scale_y, scale_z), (last_x, last_y, last_z)
     axes = axis_x, axis_y, axis_z
     if phase == 0:
-        ask_for_cells(points, low, scale, last, axes, room, seen, where, slots, rows)
+        ask_for_cells(points, low, scale, last, axes, room, seen, where, slots, rows, TWO_BITS)
         return np.int32(0)
     total = np.int32(slots[np.uint32(points.shape[0])])
     samples = points.shape[0] if total <= room else 0
@@ -262,23 +303,25 @@ def factor_sums_fp16(
     phase, points, low_x, low_y, low_z, scale_x, scale_y, scale_z, last_x, last_y, last_z,
     axis_x, axis_y, axis_z, room, line, seen, where, slots, rows, out,
 ):  # fmt: skip
-    """As `factor_sums`, of rows of float16."""
+    """As `factor_sums`, of float16 as in `factor_products_fp8`."""
     low, scale, last = (low_x, low_y, low_z), (scale_x, scale_y, scale_z), (last_x, last_y, last_z)
     axes = axis_x, axis_y, axis_z
     if phase == 0:
-        ask_for_cells(points, low, scale, last, axes, room, seen, where, slots, rows)
+        ask_for_cells(points, low, scale, last, axes, room, seen, where, slots, rows, ONE)
         return np.int32(0)
     total = np.int32(slots[np.uint32(points.shape[0])])
-    samples = points.shape[0] if total <= room else 0
-    for half in range(2):
-        for i in range(samples):
-            at, start = within(points, i, low, scale, last, axes)
-            cell = np.uint32((slots[i] << np.uint32(5)) + np.uint32(4 * half) + FIRST)
-            start = np.uint32((start << np.uint32(3)) + np.uint32(4 * half))
-            a = four_channels(rows, line, cell, start, at)
-            b = four_channels(rows, line, cell + np.uint32(2), start + np.uint32(2), at)
-            before = out[i] if half else np.float32(0)
-            out[i] = before + (((a[0] + a[1]) + (a[2] + a[3])) + ((b[0] + b[1]) + (b[2] + b[3])))
+    for i in range(points.shape[0] if total <= room else 0):
+        at, start = within(points, i, low, scale, last, axes)
+        w = weights_of(at)
+        cell = np.uint32((slots[i] << np.uint32(5)) + FIRST)
+        start = np.uint32(start << np.uint32(3))
+        a = four_sum(rows, line, cell, start, w)
+        b = four_sum(rows, line, np.uint32(cell + np.uint32(4)), np.uint32(start + np.uint32(2)), w)
+        c = four_sum(rows, line, np.uint32(cell + np.uint32(8)), np.uint32(start + np.uint32(4)), w)
+        d = four_sum(
+            rows, line, np.uint32(cell + np.uint32(12)), np.uint32(start + np.uint32(6)), w
+        )
+        out[i] = (a + b) + (c + d)
     return total
 
 

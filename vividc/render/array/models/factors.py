@@ -26,6 +26,7 @@ CHANNELS: Final = 16
 _CACHE: Final = 64
 """Cells that a launch remembers of a plane, as in the kernel."""
 _CORNERS: Final = 4
+"""Rows of a cell; half as many of float16, where a row holds the next column, too."""
 _LANES: Final = 4
 """Numbers of float8 in a word."""
 _FIRST: Final = 8
@@ -42,8 +43,9 @@ _KERNELS: Final = "render/tensor_factors"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pair:
-    """16 channels of plane number `plane` and its line, as words: [rows * columns, words] and
-    [nodes, words] uint32 of two float16 or one float32.
+    """16 channels of plane number `plane` and its line, as words: [rows * columns, 16] and [nodes,
+    16 or 8] uint32 of one float32 or two float16, which are a channel of a plane in a column and in
+    the next one, and two channels of a line.
     """
 
     number: int
@@ -108,6 +110,7 @@ class FactorGrid:
     ) -> None:
         """Fill `targets`, [B, ...] for each pair."""
         most, room = self._sizes(pairs, targets[0][:1].size // BLOCK)
+        corners = _CORNERS // (2 if _is_narrow(pairs) else 1)
         parts = Part(points, 0).cut(most)
         work = [(number, part) for number in range(len(pairs)) for part in parts]
 
@@ -118,7 +121,7 @@ class FactorGrid:
                 outputs={"out": targets[number][part.blocks]},
                 shapes={"slots": (samples + 1,)},
                 shared={"line": pair.line},
-                fetched={"rows": Fetched(pair.plane, _CORNERS * room, _FIRST)},
+                fetched={"rows": Fetched(pair.plane, corners * room, _FIRST)},
                 work={"seen": (_CACHE,), "where": (_CACHE,)},
                 scalars={**self._along(pair.number), "room": room},
             )
@@ -134,7 +137,7 @@ class FactorGrid:
         line = max(pair.line.size for pair in pairs)
         lines = 1 if len({id(pair.line) for pair in pairs}) == 1 else 2
         words = self.device.scratchpad_bytes // WORD_BYTES - lines * line - 2 * _CACHE
-        cell = _CORNERS * pairs[0].plane.shape[1]
+        cell = CHANNELS * _CORNERS // (2 if _is_narrow(pairs) else 1)
         most, room = BLOCK, 0
         for samples in range(BLOCK, words, BLOCK):
             own = (words - _SPARE_WORDS) // 2 - (_AXES + 1 + width) * samples - 1 - _FIRST
@@ -175,16 +178,19 @@ def channel_pairs(factors: Sequence[Factors], narrow: bool, scale: np.float32) -
 def _pairs(number: int, pair: Factors, narrow: bool, scale: np.float32) -> list[Pair]:
     channels = pair.line.shape[1]
     missing = -channels % CHANNELS
-    plane = np.pad(pair.plane.reshape(-1, channels), ((0, 0), (0, missing)))
+    plane = np.pad(pair.plane, ((0, 0), (0, 0), (0, missing)))
     line = np.pad(pair.line * scale, ((0, 0), (0, missing)))
     dtype = np.float16 if narrow else np.float32
+    if narrow:  # a cell never begins in the last column
+        plane = np.stack((plane, np.roll(plane, -1, axis=1)), axis=-1)
 
     def words(array: Float32Array, first: int) -> UInt32Array:
-        part = np.ascontiguousarray(array[:, first : first + CHANNELS].astype(dtype))
-        return part.view(np.uint32)
+        part = array[:, first : first + CHANNELS].reshape(len(array), -1)
+        return np.ascontiguousarray(part.astype(dtype)).view(np.uint32)
 
+    rows = plane.reshape(-1, *plane.shape[2:])
     starts = range(0, channels, CHANNELS)
-    return [Pair(number, words(plane, first), words(line, first)) for first in starts]
+    return [Pair(number, words(rows, first), words(line, first)) for first in starts]
 
 
 def _is_narrow(pairs: Sequence[Pair]) -> bool:
