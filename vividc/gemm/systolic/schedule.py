@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import accumulate, pairwise
+from itertools import accumulate, pairwise, permutations
 from typing import Final, NamedTuple
 
 from vividc.gemm.systolic.array import SystolicArray
@@ -74,15 +74,41 @@ def _fits(array: SystolicArray, form: Form, ii: int, some: Homes) -> bool:
         return False
     if some.early and form.relu and turns(array, form, ii) is None:
         return False
-    return all(
-        drain_slots(array, ii, drain_ops(array, form, some, lane), _loads(some, lane)) is not None
-        for lane in range(count)
-    )
+    free = [drain_slots(array, ii, drain_ops(array, form, some, lane)) for lane in range(count)]
+    if None in free or not (free[0] or some.north_c):
+        return False
+    return not some.drain_b or drain_leads(array, form, ii) is not None
 
 
-def _loads(some: Homes, lane: int) -> int:
-    """Places that the drain of a column loads."""
-    return some.drain_b + (lane == 0 and not some.north_c)
+def drain_leads(array: SystolicArray, form: Form, ii: int) -> tuple[int, ...] | None:
+    """Cycles from a drain's load of a place to the load of the first word in the north, by column
+    of a word: the places of a block lie in one bank, so that no two columns load in one cycle.
+    None: no such slots are free.
+    """
+    fma = array.latency(OPCODES[PRODUCTS[form.precision]].latency_class)
+    load, convert = array.latency(LatencyClass.LOAD), array.latency(LatencyClass.CONVERT)
+    steps = steps_of(fma, form.depth, ii)
+    # From the first result of a column to what its drain first does.
+    waits = {
+        1: (0,),
+        2: (1 + convert, 0),
+        4: (4 + 2 * convert, 0, 2 * convert, convert - 1),
+    }[lanes(form.results)]
+    least = ii - steps[form.depth] % ii + load
+    earliest: list[dict[int, int]] = []
+    for lane, wait in enumerate(waits):
+        free = drain_slots(array, ii, drain_ops(array, form, Homes(drain_b=True), lane)) or ()
+        since = steps[form.depth - 1] + fma + wait + load + 1
+        slots = free[1:] if lane == 0 else free
+        leads = [n for n in range(least, least + ii) if (-n - since) % ii in slots]
+        # Of each of the cycles in which a word's columns can load in turn.
+        earliest.append({(lane - n) % len(waits): n for n in reversed(leads)})
+    found = [
+        tuple(leads[cycle] for leads, cycle in zip(earliest, cycles, strict=True))
+        for cycles in permutations(range(len(waits)))
+        if all(cycle in leads for leads, cycle in zip(earliest, cycles, strict=True))
+    ]
+    return min(found, key=max, default=None)
 
 
 def turns(array: SystolicArray, form: Form, ii: int) -> Turns | None:
@@ -158,13 +184,11 @@ def drain_ops(array: SystolicArray, form: Form, some: Homes, lane: int) -> tuple
     return (convert,)
 
 
-def drain_slots(
-    array: SystolicArray, ii: int, ops: tuple[int, ...], loads: int
-) -> tuple[int, ...] | None:
-    """Slots, counted from the first result's, in which a drain loads places.
+def drain_slots(array: SystolicArray, ii: int, ops: tuple[int, ...]) -> tuple[int, ...] | None:
+    """Slots, counted from the first result's, in which a drain can load places, the last one first.
 
     Results of a column come 2 cycles apart: one for the skew of the rows, one for the link more.
-    None: so many slots are not free, or results of two blocks meet.
+    None: results of two blocks meet.
     """
     times = [(2 * i + n, latency) for i in range(array.rows) for n, latency in enumerate(ops)]
     issued = {time % ii for time, _ in times}
@@ -172,12 +196,11 @@ def drain_slots(
     if min(len(issued), len(completed)) < len(times):
         return None
     done = array.latency(LatencyClass.LOAD) - 1
-    free = [
+    return tuple(
         slot
         for slot in range(ii - 1, -1, -1)
         if slot not in issued and (slot + done) % ii not in completed
-    ]
-    return tuple(free[:loads]) if len(free) >= loads else None
+    )
 
 
 @dataclass(frozen=True)
@@ -262,14 +285,16 @@ class SystolicSchedule:
 
     def place_b(self, j: int) -> int:
         """As `place_a`, before the bias."""
-        return self.load_b(j, 0) - self._place_b_lead(j % self.lanes)
+        return self.load_b(j, 0) - self._place_b_leads[j % self.lanes]
 
     def place_c(self, j: int) -> int:
         """As `place_a`, before the first result is stored."""
         before = self.store(0, j) - self._load
         if self.homes.north_c:
             return self._latest(before, self.load_b(j, 0) + self.step(self.depth + 2))
-        return self._latest(before, self.leave(0, j) + self._drain_slots(0)[0])
+        free = drain_slots(self.array, self.ii, drain_ops(self.array, self.form, self.homes, 0))
+        assert free is not None
+        return self._latest(before, self.leave(0, j) + free[0])
 
     def place_start(self, j: int) -> int:
         """As `place_a`, before the first of what the sums of column j start from."""
@@ -343,30 +368,14 @@ class SystolicSchedule:
         """The latest cycle up to `time` in a slot."""
         return time - (time - slot) % self.ii
 
-    def _drain_slots(self, lane: int) -> tuple[int, ...]:
-        ops = drain_ops(self.array, self.form, self.homes, lane)
-        slots = drain_slots(self.array, self.ii, ops, _loads(self.homes, lane))
-        assert slots is not None
-        return slots
-
-    def _place_b_lead(self, lane: int) -> int:
-        """Cycles from the load of a place to that of the first word, on the drain of a lane; of no
-        account is when the block begins.
-        """
+    @cached_property
+    def _place_b_leads(self) -> tuple[int, ...]:
+        """Cycles from the load of a place to that of the first word, by column of a word."""
         if not self.homes.drain_b:
-            return self._place_lead
-        convert = self._convert
-        # From the first result of the lane's column to what its drain first does.
-        waits = {
-            1: (0,),
-            2: (1 + convert, 0),
-            4: (4 + 2 * convert, 0, 2 * convert, convert - 1),
-        }[self.lanes][lane]
-        # Counted from the column's first FMA; so the drain loads only if drains take max(x, 0).
-        first = self.step(self.depth - 1) + self.product_latency + waits
-        word = -self._load - 1
-        latest = word - self._longest_lead - self._load
-        return word - self._latest(latest, first + self._drain_slots(lane)[-1])
+            return (self._place_lead,) * self.lanes
+        found = drain_leads(self.array, self.form, self.ii)
+        assert found is not None
+        return found
 
     def _lead(self, i: int) -> int:
         first = self.depth + (not self.homes.drain_b)
@@ -392,7 +401,7 @@ class SystolicSchedule:
         lead = max(
             self._place_lead,
             self._start_lead if self.form.added else 0,
-            *map(self._place_b_lead, range(self.lanes)),
+            *self._place_b_leads,
         )
         fed = self._load + 1 + lead
         drained = self.ii + self._load - self.step(self.depth - 1)
