@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping as ReadOnly
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -21,8 +22,10 @@ from vividc.mapper.engines.negotiate.places import broken, enter, new_places
 from vividc.mapper.engines.negotiate.repair import new_undo, repair
 from vividc.mapper.engines.negotiate.traffic import (
     DIRECT,
+    FREELY,
     OVER,
     PRESSURE,
+    claim,
     new_graph,
     new_scratch,
     new_traffic,
@@ -34,7 +37,8 @@ from vividc.mapper.engines.negotiate.ways import Router, route_as_shown, route_r
 from vividc.mapper.engines.negotiate.words import hide_all, new_words, show_all
 from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.resources.mrrg import MRRG, NONE, build_mrrg
+from vividc.mapper.resources.moved_words import allocate_with_moves
+from vividc.mapper.resources.mrrg import MRRG, NONE, Spot, build_mrrg
 from vividc.mapper.resources.registers import Lifetime, allocate
 
 
@@ -177,6 +181,7 @@ class Negotiation:
             if not free:
                 return None
             registers, crowded = self._name_registers()
+            yield tuning.CUT_S * self.files_cut
             if not crowded:
                 return self._mapping(registers)
             if not all(self._shrink(pe) for pe in crowded):
@@ -203,8 +208,12 @@ class Negotiation:
         return False
 
     def _repair(self, moves: int, deadline: Deadline) -> Steps[bool]:
-        """Route everything, then move nodes with their routes; True when nothing is crowded."""
+        """Move nodes with their routes, from those that are there if they crowd little, else from
+        new ones; True when nothing is crowded.
+        """
         traffic = self.traffic
+        if not self.task.array.outputs and 0 < traffic.totals[OVER] <= tuning.FEW:
+            return (yield from self._repaired(moves, tuning.NEARLY_FREE_HEATS, deadline))
         traffic.history[:] = 1.0
         traffic.totals[PRESSURE] = tuning.REPAIR_PRESSURE
         reprice_all(traffic, self.ii)
@@ -287,15 +296,54 @@ class Negotiation:
                 lifetimes[pe].append(lifetime)
         registers: _Held = {}
         crowded: list[int] = []
+        self.files_cut = 0
         for pe, here in lifetimes.items():
-            chosen = allocate(here, self.ii, self.problem.fabric.pes[pe].registers)
-            if chosen is None:
+            named = self._allocated(pe, here)
+            if named is None:
                 crowded.append(pe)
                 continue
-            for lifetime, register in zip(here, chosen, strict=True):
+            for lifetime, register in zip(*named, strict=True):
                 for cycle in range(lifetime.first, lifetime.last + 1):
                     registers[lifetime.word, pe, cycle] = register
         return registers, crowded
+
+    def _allocated(
+        self, pe: int, lifetimes: Sequence[Lifetime]
+    ) -> tuple[Sequence[Lifetime], tuple[int, ...]] | None:
+        """Lifetimes on a PE and the register of each; where there is no allocation, words change
+        registers in cycles whose ports are free.
+        """
+        registers = self.problem.fabric.pes[pe].registers
+        chosen = allocate(lifetimes, self.ii, registers)
+        if chosen is not None:
+            return lifetimes, chosen
+        file = self.mrrg.spots.index(Spot("reg", pe))
+        if self.router.graph.renew[file] != FREELY:
+            return None
+        self.files_cut += 1
+        found = allocate_with_moves(lifetimes, self.ii, registers, self._spare_ports(file))
+        if found is not None:
+            begun = {(whole.word, whole.first) for whole in lifetimes}
+            for part in found[0]:
+                if (part.word, part.first) not in begun:
+                    self._cut_at(file, part.word, part.first)
+        return found
+
+    def _spare_ports(self, file: int) -> list[int]:
+        """By slot, the words that ports could move within a file."""
+        graph, traffic, ii = self.router.graph, self.traffic, self.ii
+        ports = [graph.leaving[file], graph.entering[file]]
+        free = [(traffic.capacity - traffic.use)[port * ii : (port + 1) * ii] for port in ports]
+        return [int(spare) for spare in np.minimum(*free)]
+
+    def _cut_at(self, file: int, word: int, cycle: int) -> None:
+        """Have a word be in another register from a cycle of its iteration on."""
+        traffic, graph = self.traffic, self.router.graph
+        row = traffic.size[word, 2]
+        traffic.cut[word, row] = cycle - self._ready(word), file
+        traffic.size[word, 2] += 1
+        for port in (graph.leaving[file], graph.entering[file]):
+            claim(traffic, self.ii, word, port, cycle - 1)
 
     def _mapping(self, registers: _Held) -> Mapping:
         places = {

@@ -7,11 +7,14 @@ from typing import Final
 
 NAMING_ROUNDS: Final = 12
 """Routings of one placement, each with a register less in the files whose words found no names."""
+CUT_S: Final = 0.01
+"""Effort of having words of a file change registers, where they have no allocation."""
 REPAIR_HEATS: Final = (5.0, 1.0)
 OUTPUT_REPAIR_HEATS: Final = (3.0, 0.5)
 SHOWN_REPAIR_HEATS: Final = (0.8, 0.25)
-"""First and last heat of a repair: over links, where words go through output registers, and from
-routes as the annealer claimed moves for them.
+NEARLY_FREE_HEATS: Final = (0.8, 0.2)
+"""First and last heat of a repair: over links, where words go through output registers, from routes
+as the annealer claimed moves for them, and from negotiated routes that crowd little (`FEW`).
 """
 LITTLE: Final = 8
 """Violations up to which a result is annealed again."""
