@@ -145,8 +145,9 @@ def _with_shorter_iterations(
     for index in sorted(saved, key=lambda index: -saved[index]):
         if saved[index] < _SHORTER_PAYS * every or deadline.passed:
             break
-        made = loops.mapped_shorter(index, better, known, deadline, _SHORTER_PAYS * every)
-        better[index] = replace(better[index], mapping=made)
+        better[index] = replace(
+            better[index], mapping=loops.mapped_shorter(index, better, known, deadline)
+        )
     return better
 
 
@@ -209,26 +210,17 @@ class _Loops:
         return self.runs.entries[index] * max(0, self.span(index, mapping) - least)
 
     def mapped_shorter(
-        self,
-        index: int,
-        results: ReadOnly[int, MapResult],
-        known: Words,
-        deadline: Deadline,
-        pays: float,
+        self, index: int, results: ReadOnly[int, MapResult], known: Words, deadline: Deadline
     ) -> Mapping:
         """A mapping of a loop at its II with shorter iterations, and no more stalls, which are only
-        expected; the one it has where none is found. Lengths that would save less than `pays`
-        cycles of a run are not tried.
+        expected; the one it has where none is found.
         """
         best = _mapping(results[index])
         problem = self.problem(index, results)
         least = least_span(problem, best.ii)
         stalls = self.stalls(index, best, known)
         apart = self.traffic(index, best).meetings(known)
-        entries = self.runs.entries[index]
         while (span := self.span(index, best)) > least and not deadline.passed:
-            if entries * (span - least) < pays:
-                break
             tried, better = (least + span) // 2, None
             for seed, meetings in ((1, apart), (1, NO_MEETINGS), (2, NO_MEETINGS)):
                 made = self._negotiated(
