@@ -11,7 +11,7 @@ that works.
 from __future__ import annotations
 
 from collections.abc import Mapping as ReadOnly
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -161,11 +161,14 @@ class _Again:
 
 @dataclass(frozen=True, slots=True)
 class _Loops:
+    """`tried`: what came of each negotiation, as the two ways of `_with_fewer_stalls` begin alike."""
+
     kernel: Kernel
     fabric: Fabric
     runs: Runs
     _traffic: dict[tuple[int, int], tuple[Mapping, Traffic]] = field(default_factory=dict)
     """By region and the identity of its mapping, which is kept so that no other one gets it."""
+    tried: dict[Hashable, Mapping | None] = field(default_factory=dict)
 
     def traffic(self, index: int, mapping: Mapping) -> Traffic:
         """Of a mapped loop, which keeps what was found of it."""
@@ -259,7 +262,11 @@ class _Loops:
         for seed in _SEEDS:
             if deadline.passed or (best is not None and best.cycles <= enough):
                 break
-            made = self._negotiated(problem, old, seed, deadline, _EFFORT, meetings)
+            key = (index, old.ii, seed, _held(problem), meetings.accesses, meetings.stalls.tobytes())
+            if key not in self.tried:
+                made = self._negotiated(problem, old, seed, deadline, _EFFORT, meetings)
+                self.tried[key] = made
+            made = self.tried[key]
             if made is None:
                 continue
             changed = {**results, index: replace(results[index], mapping=made)}
@@ -294,6 +301,11 @@ class _Loops:
         if faults:
             raise InternalError(f"another mapping of {problem.dfg.name}: {faults[0].message}")
         return replace(named, subject=old.subject)
+
+
+def _held(problem: MapProblem) -> Hashable:
+    """What other regions hold in constant stores."""
+    return tuple(sorted(problem.resident.items()))
 
 
 def _mapping(result: MapResult) -> Mapping:

@@ -27,6 +27,7 @@ from vividc.mapper.search.tuning import (
     ROOMY,
     SEEDED_NODES,
     SEEDS,
+    SOLVED_GRAPH,
     SOLVER_S,
     STEP,
     STEP_WITH_MOVES,
@@ -69,8 +70,8 @@ def negotiate_downward(search: IISearch) -> None:
 
 def restart_below(search: IISearch) -> None:
     """The II just below the incumbent's, with other seeds and more effort in each round, then a
-    window of the array, then the strategy's own steps at the bound; at last the windows that are
-    left.
+    window of the array, then the strategy's own steps at the bound (of large graphs only to
+    prove); at last the windows that are left.
     """
     rectangles, turn = windows(search), 0
     while search.open_iis() and not search.deadline.passed:
@@ -81,6 +82,8 @@ def restart_below(search: IISearch) -> None:
         next(rectangles, None)
         if not search.unfinished:
             break
+        if search.request.effort != "prove" and len(search.problem.dfg.placed) >= SOLVED_GRAPH:
+            continue
         budget_s = turn * SOLVER_S / len(search.problem.dfg.placed)
         search.try_ii(search.open_iis()[0], search.deadline.within(budget_s))
     for _ in rectangles:

@@ -35,7 +35,7 @@ from vividc.mapper.search.tuning import (
     NEGOTIATION_SHARE,
     PROOF_SHARE,
 )
-from vividc.mapper.search.warm_start import solve_at_bound, warm_start
+from vividc.mapper.search.warm_start import negotiate_at_bound, solve_at_bound, warm_start
 from vividc.mapper.search.windows import search_windows, start_in_window
 
 AUTO: Final = Strategy(
@@ -53,6 +53,7 @@ AUTO: Final = Strategy(
         Phase(negotiate_downward, "large", extended=False),
         Phase(restart_below, "large", extended=False),  # with windows
         Phase(climb_in_short_turns, "large", unless_mapped=True),
+        Phase(negotiate_at_bound, "small", extended=False),
         Phase(solve_at_bound, "small", extended=False),
         Phase(warm_start, "small", extended=False),
         Phase(search_windows, "small"),
