@@ -1,25 +1,22 @@
 """Brings variables to the PEs that read them: between the regions of a kernel, words travel by
 live-out writes.
 
-Loops are mapped first and read variables where their operations lie; straight regions then write
-each variable to all its homes, and read it through a `mov` on one of them.
+Straight regions write each variable to all its homes (`homes`), and read it through a `mov` on one
+of them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from vividc.arch.fabric import Fabric
+from vividc.compiler.homes import Homes, Residents
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE, Kernel, Region, is_variable
+from vividc.dfg.regions import Region, is_variable
 from vividc.machine.opcodes import BASE, Opcode
-from vividc.mapper.mapping import Mapping as RegionMapping
-from vividc.mapper.problem import ConstantKey, MapProblem
+from vividc.mapper.problem import MapProblem
 from vividc.mapper.resources.dependences import dependences, earliest_starts
-
-Homes = Mapping[str, frozenset[int]]
-Residents = Mapping[int, frozenset[ConstantKey]]
 
 
 @dataclass(frozen=True)
@@ -28,16 +25,6 @@ class Delivery:
 
     dfg: DFG
     allowed: Mapping[int, frozenset[int]]
-
-
-def residents(fabric: Fabric, mapped: Iterable[tuple[DFG, RegionMapping]]) -> Residents:
-    """Constant-store entries that the mapped regions occupy on each PE."""
-    held: dict[int, set[ConstantKey]] = {pe.id: set() for pe in fabric.pes}
-    for dfg, mapping in mapped:
-        problem = MapProblem(dfg, fabric)
-        for node in dfg.placed:
-            held[mapping.places[node.id].pe].update(problem.constants_of(node))
-    return {pe: frozenset(keys) for pe, keys in held.items()}
 
 
 def with_homes(held: Residents, homes: Homes) -> Residents:
@@ -49,27 +36,6 @@ def with_homes(held: Residents, homes: Homes) -> Residents:
         for pe in pes:
             taken[pe].add(("live_in", name))
     return {pe: frozenset(keys) for pe, keys in taken.items()}
-
-
-def variable_homes(kernel: Kernel, fabric: Fabric, loops: Mapping[int, RegionMapping]) -> Homes:
-    """The PEs whose constant stores hold each variable.
-
-    A variable that loops read or write lives where their operations lie; any other lives on the PE
-    with the fewest entries so far.
-    """
-    homes: dict[str, set[int]] = {}
-    graphs = [(kernel.regions[index].dfg, mapping) for index, mapping in sorted(loops.items())]
-    for dfg, mapping in graphs:
-        for node in dfg.placed:
-            for _, name in _variables_of(MapProblem(dfg, fabric), node):
-                homes.setdefault(name, set()).add(mapping.places[node.id].pe)
-    load = {pe: len(keys) for pe, keys in residents(fabric, graphs).items()}
-    for name in _variables_read(kernel):
-        if name not in homes:
-            pe = min(load, key=lambda pe: (load[pe], pe))
-            homes[name] = {pe}
-            load[pe] += 1
-    return {name: frozenset(pes) for name, pes in homes.items()}
 
 
 def deliver(region: Region, homes: Homes, fabric: Fabric, held: Residents) -> Delivery:
@@ -200,21 +166,3 @@ def _is_crowded(dfg: DFG, fabric: Fabric) -> bool:
     moved = sum(node.op is Opcode.LIVE_IN and is_variable(node.name) for node in dfg.nodes)
     starts = earliest_starts([n.id for n in dfg.placed], dependences(dfg, fabric), 1) or {}
     return len(dfg.operations) + moved > len(fabric.pes) * (1 + max(starts.values(), default=0))
-
-
-def _variables_of(problem: MapProblem, node: Node) -> list[tuple[str, str]]:
-    keys = problem.constants_of(node)
-    return [("live_in", str(n)) for kind, n in keys if kind == "live_in" and is_variable(str(n))]
-
-
-def _variables_read(kernel: Kernel) -> list[str]:
-    names = dict.fromkeys(
-        node.name
-        for region in kernel.regions
-        for node in region.dfg.nodes
-        if node.op is Opcode.LIVE_IN and is_variable(node.name)
-    )
-    if kernel.returns is not None:
-        written = {n.name for r in kernel.regions for n in r.dfg.nodes if n.op is Opcode.LIVE_OUT}
-        names.update((name, None) for name in (RETURN_VARIABLE, RETURN_HIGH) if name in written)
-    return list(names)

@@ -10,13 +10,13 @@ that works.
 
 from __future__ import annotations
 
-from collections.abc import Mapping as ReadOnly
 from collections.abc import Hashable, Sequence
+from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass, field, replace
 from typing import Final
 
 from vividc.arch.fabric import Fabric
-from vividc.compiler.delivery import residents
+from vividc.compiler.homes import residents
 from vividc.compiler.planning.estimate import RegionCost
 from vividc.dfg.regions import Kernel
 from vividc.errors import InternalError
@@ -161,7 +161,7 @@ class _Again:
 
 @dataclass(frozen=True, slots=True)
 class _Loops:
-    """`tried`: what came of each negotiation, as the two ways of `_with_fewer_stalls` begin alike."""
+    """`tried`: what came of each negotiation; both ways of `_with_fewer_stalls` begin alike."""
 
     kernel: Kernel
     fabric: Fabric
@@ -262,7 +262,8 @@ class _Loops:
         for seed in _SEEDS:
             if deadline.passed or (best is not None and best.cycles <= enough):
                 break
-            key = (index, old.ii, seed, _held(problem), meetings.accesses, meetings.stalls.tobytes())
+            expected = (meetings.accesses, meetings.stalls.tobytes())
+            key = (index, old.ii, seed, _held(problem), expected)
             if key not in self.tried:
                 made = self._negotiated(problem, old, seed, deadline, _EFFORT, meetings)
                 self.tried[key] = made

@@ -9,9 +9,11 @@ from collections.abc import Callable, Iterator, Sequence
 from collections.abc import Mapping as ReadOnly
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 from vividc.arch.fabric import Fabric
-from vividc.compiler.delivery import deliver, residents, variable_homes, with_homes
+from vividc.compiler.delivery import deliver, with_homes
+from vividc.compiler.homes import residents, variable_homes
 from vividc.compiler.map_again import Runs, with_fewer_cycles
 from vividc.dfg.ir import DFG
 from vividc.dfg.regions import Kernel, Region
@@ -147,18 +149,12 @@ def map_kernel(
         before, after = (_spans(kernel, fabric, loops) for loops in (results, chosen))
         if is_lost({index: min(span, after[index]) for index, span in before.items()}):
             return None
+        entries = None if runs is None else runs.entries
+        finish = partial(_with_straight, kernel, fabric, options, entries, is_lost=is_lost)
         try:
-            return _with_straight(kernel, fabric, options, chosen, frugal=False, is_lost=is_lost)
+            return finish(chosen, frugal=False)
         except MappingFailed:  # what the first ones took may be what the last ones need
-            return _with_straight(
-                kernel,
-                fabric,
-                options,
-                results,
-                frugal=True,
-                hopeless=earlier.hopeless,
-                is_lost=is_lost,
-            )
+            return finish(results, frugal=True, hopeless=earlier.hopeless)
 
 
 def _spans(
@@ -181,6 +177,7 @@ def _with_straight(
     kernel: Kernel,
     fabric: Fabric,
     options: MapOptions,
+    entries: Sequence[float] | None,
     results: dict[int, MapResult],
     *,
     frugal: bool,
@@ -192,7 +189,7 @@ def _with_straight(
     """
     results = dict(results)
     loops = {index: mapping_of(result) for index, result in results.items()}
-    homes = variable_homes(kernel, fabric, loops)
+    homes = variable_homes(kernel, fabric, loops, entries)
     done = [(kernel.regions[index].dfg, mapping) for index, mapping in loops.items()]
     regions = list(kernel.regions)
     straight = [(i, r) for i, r in enumerate(kernel.regions) if r.kind != "loop"]
