@@ -2,8 +2,8 @@
 
 In order: `planning/` (which loop transformations pay), `map_regions` (loops, then straight code, in
 the time there is), `map_again` (loops again, for fewer bank stalls and shorter iterations),
-`delivery` (how variables travel between regions), `kept_programs` (what was compiled before),
-`nests` (a kernel's nests of loops as programs of their own), `products` (which of them are matrix
-products), `driver`, `jit` (for the types of a call), `advice/` (what would make a program faster);
-`passes` (all stages by name).
+`homes` (where variables live), `delivery` (how they travel between regions), `kept_programs` (what
+was compiled before), `nests` (a kernel's nests of loops as programs of their own), `products`
+(which of them are matrix products), `driver`, `jit` (for the types of a call), `advice/` (what
+would make a program faster); `passes` (all stages by name).
 """

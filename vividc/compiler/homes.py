@@ -7,8 +7,10 @@ copy of a word takes as many cycles as its homes are links apart.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Final
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, EdgeKind, Node
@@ -21,6 +23,11 @@ from vividc.mapper.resources.distances import hop_distances
 
 Homes = Mapping[str, frozenset[int]]
 Residents = Mapping[int, frozenset[ConstantKey]]
+
+_FILLED: Final = 0.5
+"""Of the slots of a straight region, at most, by operations: where they take longer than its paths
+do, it does not matter how far variables are apart (symm: 497 operations in 50 cycles).
+"""
 
 
 def residents(fabric: Fabric, mapped: Iterable[tuple[DFG, RegionMapping]]) -> Residents:
@@ -98,7 +105,7 @@ class _Ways:
     entries
         How often it is entered.
     length
-        Cycles of its longest path.
+        Cycles of its longest path, or those that its operations take.
     to, of
         By variable that it reads, its ways to those that it writes; the reverse.
     """
@@ -138,8 +145,9 @@ def _ways(dfg: DFG, fabric: Fabric, entries: float) -> _Ways:
     reads = [n for n in dfg.nodes if n.op is Opcode.LIVE_IN and is_variable(n.name)]
     writes = [n for n in dfg.nodes if n.op is Opcode.LIVE_OUT]
     ways = _Ways(
-        fabric, entries, 1, frozenset(n.name for n in reads), frozenset(n.name for n in writes)
+        fabric, entries, 0, frozenset(n.name for n in reads), frozenset(n.name for n in writes)
     )
+    ways.length = math.ceil(len(dfg.operations) / (_FILLED * len(fabric.pes)))
     order = evaluation_order(dfg)
     for read in reads:
         starts = _starts(dfg, fabric, order, read.id)
