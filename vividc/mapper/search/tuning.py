@@ -23,9 +23,10 @@ LARGE_GRAPH: Final = 40
 """Operations from which on negotiation comes first: constraints take longer to place and route so
 many.
 """
-NEGOTIATED_GRAPH: Final = 20
+NEGOTIATED_GRAPH: Final = 28
 """Operations from which on a quick negotiation at the bound comes before constraints: loops of 34
-operations (heat-3d) map in 0.06 s instead of 1.2.
+operations (heat-3d) map in 0.06 s instead of 1.2. Iterations of smaller ones (27, gemver) come out
+longer.
 """
 LARGE_ARRAY: Final = 16
 """PEs beyond which constraints may use up the time on the way upward (of small graphs), and
