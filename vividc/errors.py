@@ -5,6 +5,7 @@ A value is on one line, and not too long.
 
 from __future__ import annotations
 
+import builtins
 import os
 from dataclasses import dataclass
 from typing import Final
@@ -106,6 +107,23 @@ class TimeLimit(VividcError):
 
 class SimulationError(VividcError):
     """The program did something that the machine forbids; it names PE and cycle."""
+
+
+class KernelRaised(SimulationError):
+    """The kernel raised an exception; it is one of that type, too, if Python has it."""
+
+
+def raised(kind: str, text: str, loc: str | SourceLoc | None) -> KernelRaised:
+    """The exception that a kernel raised, by the name of its type."""
+    found = getattr(builtins, kind, None)
+    bases: tuple[type, ...] = (KernelRaised,)
+    if isinstance(found, type) and issubclass(found, Exception):
+        bases = (KernelRaised, found)
+    name = kind if kind.isidentifier() else KernelRaised.__name__
+    made: KernelRaised = type(name, bases, {"__doc__": KernelRaised.__doc__})(
+        f"{kind}: {text}" if text else kind, loc=loc
+    )
+    return made
 
 
 class CycleLimit(SimulationError):

@@ -91,19 +91,6 @@ def prints(x, n):
     print(x[n])  # here
 
 
-@mistake("can raise ValueError: negative", "flag")
-def raises(x, n):
-    if n < 0:
-        raise ValueError("negative")  # here
-    x[0] = n
-
-
-@mistake("can raise AssertionError", "return a flag")
-def asserts(x, n):
-    assert n > 0  # here
-    x[0] = n
-
-
 @mistake("`try`", "test the condition")
 def catches(x, n):
     try:  # here
@@ -260,12 +247,6 @@ def longs_in_table(x, n):
 @mistake("a write to a global array", "parameter")
 def writes_a_table(x, n):
     TABLE[n] = x[0]  # here
-
-
-@mistake("can raise ValueError: range", "if step < 1")
-def step_of_zero(x, n):
-    for i in range(0, 8, n):  # here
-        x[i] = 0
 
 
 @mistake("never ends", "break|condition")

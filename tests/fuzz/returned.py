@@ -26,6 +26,10 @@ def returned(random: Random, arrays: list[Array], result: str) -> str:
     if not arrays:
         return f"    return {result}, np.arange(4)\n"
     array = random.choice(arrays)
+    if random.random() < 0.2:
+        text = random.choice(["raise ValueError", 'raise OverflowError("too many")'])
+        head = f"    if s & {random.choice([1, 3, 7])} == 0:\n        {text}\n"
+        return f"{head}    return {_array(random, array)}\n"
     kind = random.random()
     if kind < 0.25:
         return f"    return {_array(random, array)}\n"

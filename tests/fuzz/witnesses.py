@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import warnings
+from collections.abc import Callable, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from functools import partial
@@ -30,9 +31,11 @@ from vividc.dfg.pipeline import optimize_kernel
 from vividc.dfg.regions import Kernel
 from vividc.errors import (
     KernelError,
+    KernelRaised,
     MappingFailed,
     SimulationError,
     TimeLimit,
+    VividcError,
     VividcWarning,
 )
 from vividc.frontend import KernelFunction
@@ -125,7 +128,9 @@ def run_regions(lowered: Kernel, args: list[object]) -> object:
         array[...] = raw.reshape(array.shape)
     if lowered.results is not None:
         named = {p.name: a for p, a in zip(given(lowered.params), args, strict=True) if p.ndim}
-        return deepcopy(lowered.results.value(named | made, inputs))
+        value = deepcopy(lowered.results.value(named | made, inputs))
+        if lowered.returns is None:
+            return value
     return _returned(lowered.returns, result.value or 0)
 
 
@@ -206,14 +211,14 @@ def _run(module: ModuleType, source: str, seed: int, simulate: Simulated) -> tup
         args = arguments(kernel, shapes_of(module), seed, trial)
         expected = deepcopy(args)
         try:
-            value = kernel(*expected)
+            value = _told_of(kernel, expected, source)
         except ZeroDivisionError:
             _all_raise(built, program, args)
             continue
         first: list[object] = []
         for what, lowered in built:
             mine = deepcopy(args)
-            result = run_regions(lowered, mine)
+            result = _told_of(partial(run_regions, lowered), [mine], source)
             compare(what, [result, *mine], [value, *expected], rough)
             first = first or [result, *mine]
             compare(f"{what}, against as written", [result, *mine], first)
@@ -221,9 +226,20 @@ def _run(module: ModuleType, source: str, seed: int, simulate: Simulated) -> tup
             _for_these_sizes(kernel, args, first, seed, simulate)
         if program is not None:
             _simulate(program, args, f"simulator, {simulate}", first)
-            if trial == seed % TRIALS:
+            if trial == seed % TRIALS and "raise " not in source:
                 tried = _kinds(program, built[0][1]).check(args, Random(seed))
     return tried
+
+
+def _told_of(run: Callable[..., object], args: Sequence[object], source: str) -> object:
+    """What a run returns, or the type of what it raises, if the kernel has a `raise`."""
+    try:
+        return run(*args)
+    except (ValueError, OverflowError) as error:
+        is_kernels = isinstance(error, KernelRaised) or not isinstance(error, VividcError)
+        if "raise " not in source or not is_kernels:
+            raise
+        return "ValueError" if isinstance(error, ValueError) else "OverflowError"
 
 
 def _for_these_sizes(
@@ -239,7 +255,7 @@ def _for_these_sizes(
     for form in tried:
         lowered = optimize_kernel(build_kernel(normalize(form.function)), form.options)
         mine = deepcopy(args)
-        result = run_regions(lowered, mine)
+        result = _told_of(partial(run_regions, lowered), [mine], "raise ")
         compare(f"interpreter, known sizes, {form.text}", [result, *mine], expected)
     if simulate == "blocks":
         program = words_in_blocks(tried[-1].function)
@@ -260,11 +276,18 @@ def _simulate(program: Program, args: list[object], what: str, expected: list[ob
     counts = []
     for engine in ("reference", "native"):
         mine = deepcopy(args)
-        result = vividc.simulate(program, *mine, engine=engine)
-        compare(f"{what}, {engine} engine", [result.value, *mine], expected)
-        counts.append({**result.stats, "engine": ""})
+        counts.append({})
+        run = partial(_simulated, program, engine, counts[-1])
+        value = _told_of(run, mine, "raise ")
+        compare(f"{what}, {engine} engine", [value, *mine], expected)
     if counts[0] != counts[1]:
         raise Difference(f"{what}: the engines count {counts[0]} and {counts[1]}")
+
+
+def _simulated(program: Program, engine: str, stats: dict[str, object], *args: object) -> object:
+    result = vividc.simulate(program, *args, engine=engine)
+    stats |= {**result.stats, "engine": ""}
+    return result.value
 
 
 def stays_inside(source: str, seed: int, folder: Path) -> bool:

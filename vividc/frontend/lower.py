@@ -16,6 +16,7 @@ from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
 from vividc.frontend.advice import Advice
 from vividc.frontend.llvm.passes import ENTRY
 from vividc.frontend.llvm.reader import read_function
+from vividc.frontend.memory.user_raises import hold_raises
 from vividc.frontend.narrow.counting import word_parameters
 from vividc.frontend.narrow.in_words import in_words
 from vividc.frontend.narrow.narrow import narrow
@@ -194,7 +195,7 @@ def lower_words(
     params = (*params, *kernel.params)  # of the kernel itself those are that it makes
     function = replace(kernel, name=name, params=params, returns=returns, file=file or loc.file)
     with located(loc):
-        function = run_passes(SIMPLIFYING, function)
+        function = hold_raises(run_passes(SIMPLIFYING, function))
         narrowed = watched("narrow", lambda: narrow(function))
     for lines, (*what, instead) in (
         (narrowed.demoted, _DEMOTED),

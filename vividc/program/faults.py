@@ -68,6 +68,8 @@ def _result_faults(program: Program) -> Iterator[str]:
             return
         count = words.made[0]
         keys |= {f"{results.words}.{number}" for number in range(min(int(count), _MOST_WORDS))}
+    if (results.error not in results.made) is bool(results.error):
+        yield "it raises by no array"
     leaves = results.leaves
     if set(results.made) != {param.name for param in made}:
         yield "it returns other arrays than it makes"

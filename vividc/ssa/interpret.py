@@ -125,8 +125,10 @@ class _Machine(ABC, Generic[_V]):
             self._execute(block, previous)
             previous, branch = name, block.branch
             if branch.target is None:
-                if self.function.results is not None:
-                    return self.function.results.value(self._arrays, self._inputs)
+                results = self.function.results
+                value = results and results.value(self._arrays, self._inputs)
+                if self.function.returns is None:
+                    return value
                 if branch.value is None or self.function.returns is None:
                     return None
                 return self.result(branch.value, branch.high, self.function.returns)

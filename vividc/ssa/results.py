@@ -20,7 +20,7 @@ import numpy as np
 from numpy.lib.stride_tricks import as_strided
 from numpy.typing import NDArray
 
-from vividc.errors import SimulationError
+from vividc.errors import SimulationError, SourceLoc, raised
 from vividc.machine.params import Formula, evaluate_formula
 
 Array = NDArray[Any]
@@ -71,6 +71,16 @@ class Leaf:
 
 
 @dataclass(frozen=True, slots=True)
+class Raise:
+    """An exception that a kernel may raise: the name of its type, its text, and where."""
+
+    kind: str
+    text: str
+    file: str = ""
+    line: int = 0
+
+
+@dataclass(frozen=True, slots=True)
 class Results:
     """What a kernel returns.
 
@@ -87,12 +97,16 @@ class Results:
         "s:" + `words` + ".k" of the leaves' formulas.
     made
         The arrays that the launch makes: others are arguments.
+    error, raises
+        The array of one word that says which exception the kernel raised, from 1 on; 0: none.
     """
 
     leaves: tuple[Leaf, ...]
     form: tuple[int | str, ...] = (0,)
     words: str = ""
     made: tuple[str, ...] = ()
+    error: str = ""
+    raises: tuple[Raise, ...] = ()
 
     def value(self, arrays: Mapping[str, Array], inputs: Mapping[str, int]) -> object:
         """What the kernel has returned.
@@ -108,12 +122,22 @@ class Results:
         ------
         SimulationError
             An array that it returned lies outside its memory.
+        KernelRaised
+            The kernel raised an exception; it is one of that type, too.
         """
+        self._demand_no_raise(arrays)
         words = arrays[self.words] if self.words else ()
         known = {**inputs, **{f"{self.words}.{n}": int(w) for n, w in enumerate(words)}}
         bases: dict[tuple[str, str], Array] = {}
         made = [partial(self._leaf, leaf, arrays, known, bases) for leaf in self.leaves]
         return _assembled(self.form, made)
+
+    def _demand_no_raise(self, arrays: Mapping[str, Array]) -> None:
+        code = int(arrays[self.error][0]) if self.error else 0
+        if code:
+            one = self.raises[code - 1] if 0 < code <= len(self.raises) else Raise("Exception", "")
+            loc = SourceLoc(one.file, one.line) if one.file else None
+            raise raised(one.kind, one.text, loc)
 
     @property
     def is_sound(self) -> bool:
@@ -157,7 +181,9 @@ class Results:
             )
             for leaf in raw["leaves"]
         )
-        return Results(tuple(leaves), tuple(raw["form"]), raw["words"], tuple(raw["made"]))
+        raises = tuple(Raise(**one) for one in raw["raises"])
+        form, made = tuple(raw["form"]), tuple(raw["made"])
+        return Results(tuple(leaves), form, raw["words"], made, raw["error"], raises)
 
     def _leaf(
         self,

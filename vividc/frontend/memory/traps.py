@@ -4,7 +4,7 @@ The array has no exceptions. Where `max` of an empty array or slices of differen
 the kernel stores to an array of no words, whose name says what happened: no witness runs on.
 A
 division by zero that raises goes on behind the store, so that its loop keeps one way out. What a
-user raises is refused beforehand.
+user raises is `user_raises`'.
 """
 
 from __future__ import annotations

@@ -114,7 +114,8 @@ def simulate(
     made = {param.name: arrays[param.name] for param in program.params if param.made}
     kwargs = {**kwargs, **made}  # several graphs may be tried, each with the same arrays
     result = _simulate_all(program, args, kwargs, machine, engine, cycle_limit)
-    return replace(result, value=returned_value(program, arrays, inputs))
+    value = returned_value(program, arrays, inputs)
+    return result if program.returns is not None else replace(result, value=value)
 
 
 def _simulate_all(

@@ -94,10 +94,9 @@ class Spread:
 
     def _value(self, result: JobResult) -> Any:
         parallel, dtype = self.program.parallel, self.program.returns
-        if self.program.results is not None:
-            return returned_value(self.program, self.arrays, self.inputs)
+        value = returned_value(self.program, self.arrays, self.inputs)
         if dtype is None:
-            return None
+            return value
         if parallel is None or parallel.result is None:
             return result.values[self.runs[0]]
         how = parallel.reductions[parallel.result]

@@ -1,0 +1,34 @@
+"""Kernels that raise; pytest would write the `assert` of a test's module anew."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import vividc
+
+
+def roots(x, n):
+    for i in range(n):
+        if x[i] < 0:
+            raise ValueError("a negative number, at x[i]")  # here
+        x[i] = np.sqrt(x[i])
+    return x.sum()
+
+
+def checked(x, n):
+    x[0] = n
+    assert n < 4, "too many"  # here
+    return x[:n] * np.float32(2)
+
+
+def helper(x, n):
+    if n > 3:
+        raise OverflowError  # here
+    return n
+
+
+HELPED = vividc.kernel("int64(float32[::1], int32)")(helper)
+
+
+def through_a_helper(x, n):
+    x[1] = HELPED(x, n)
