@@ -193,12 +193,6 @@ def dynamic_size(x, n):
     x[0] = a[0]
 
 
-@mistake("size is not known at launch", "loop over the elements")
-def chosen_elements(x, n):
-    y = x[x > 0]  # here
-    x[0] = y[n]
-
-
 @mistake("does not fit float32", "scale")
 def huge_element(x, n):
     a = np.zeros(4)
@@ -271,6 +265,12 @@ def inverse(x, n):
 def sum_along_no_axis(x, n):
     m = np.zeros((4, 4), np.float32)
     x[:4] = m.sum(axis=2)  # here: any
+
+
+@mistake("can raise ValueError: range", "if step < 1")
+def step_of_zero(x, n):
+    for i in range(0, 8, n):  # here
+        x[i] = 0
 
 
 @mistake("whose errors name a number", "loops")

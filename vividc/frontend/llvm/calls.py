@@ -18,13 +18,17 @@ _RAISES = (
     ("None", "give the variable a number on every way"),
     ("tuple index", "index by constants, or choose by if and elif"),
     ("item()", "take an element: x[0]"),
-    ("AssertionError", "test the condition on the host, or return a flag"),
 )
 
 
 def hint_of_raise(what: str) -> str:
     """What to write instead of what raises `what`, an exception's name and text."""
     return next((hint for text, hint in _RAISES if text in what), _FLAG)
+
+
+def has_hint(what: str) -> bool:
+    """Whether there is something to write instead of what raises `what`."""
+    return any(text in what for text, _ in _RAISES)
 
 
 ALLOCATE = "vividc.allocate "

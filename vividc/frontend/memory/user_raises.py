@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
-from vividc.frontend.llvm.calls import RAISE_PREFIX
+from vividc.frontend.llvm.calls import RAISE_PREFIX, has_hint
 from vividc.machine.params import DType, Param
 from vividc.ssa.edit import first_free
 from vividc.ssa.ir import Branch, Float, Function, Instr, Int, Value
@@ -53,7 +53,8 @@ def hold_raises(function: Function) -> Function:
 
 
 def _is_raise(op: Instr) -> bool:
-    return op.op == "call" and op.pred.startswith(RAISE_PREFIX)
+    """A raise of the user's: of numba's own, those with a hint are refused with it."""
+    return op.op == "call" and op.pred.startswith(RAISE_PREFIX) and not has_hint(op.pred)
 
 
 def _raise_of(op: Instr) -> Raise:
