@@ -53,17 +53,6 @@ def swapaxes(x, n):
     x[0] = np.swapaxes(y, 0, 1)[n, 0]  # here
 
 
-@mistake(r"`np\.median` cannot run", "np.sort")
-def median(x, n):
-    x[n] = np.median(x)  # here
-
-
-@mistake(r"`np\.nonzero` cannot run", "np.zeros")
-def nonzero(x, n):
-    found = np.nonzero(x)  # here
-    x[0] = found[0][n]
-
-
 @mistake(r"`np\.isin` cannot run", "loop")
 def isin(x, n):
     x[n] = np.isin(x, x)[0]  # here
