@@ -18,19 +18,6 @@ def spread(x, y, n):
         y[i] += x[i]
 
 
-def raises(x, y, n):
-    if n > 8:
-        raise ValueError("too many")
-    y[0] = x[0]
-
-
-def flags(x, y, n):
-    if n > 8:
-        y[0] = -1
-    else:
-        y[0] = x[0]
-
-
 def endless(x, y, n):
     while True:
         y[0] += x[0]
@@ -97,11 +84,6 @@ def positive_slice_step(x, y, n):
     if n < 1:
         return
     y[:] = x[::n]
-
-
-def asserts(x, y, n):
-    assert n > 0
-    y[0] = n
 
 
 def lists(x, y, n):

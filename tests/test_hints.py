@@ -181,7 +181,6 @@ ROWS = {
         "did you mean `vivid-tile`",
         lambda: arch.load("vivid-tile"),
     ),
-    "raise": Row(lambda: lowered(k.raises), "return or store a flag", lambda: lowered(k.flags)),
     "endless": Row(lambda: lowered(k.endless), "a condition or a break", lambda: lowered(k.broken)),
     "size": Row(lambda: lowered(k.unsized), r"np\.zeros\(len\(x\)", lambda: lowered(k.sized)),
     "returned": Row(
@@ -201,7 +200,6 @@ ROWS = {
     "step of a slice": Row(
         lambda: lowered(k.slice_step), "if step < 1: return", lambda: lowered(k.positive_slice_step)
     ),
-    "assert": Row(lambda: lowered(k.asserts), "return a flag", lambda: lowered(k.flags)),
     "list": Row(lambda: lowered(k.lists), r"np\.zeros\(16", lambda: lowered(k.arrays)),
     "dict": Row(lambda: lowered(k.dicts), "keys as indices", lambda: lowered(k.keys_as_indices)),
     "truth": Row(lambda: lowered(k.truth), r"\.any\(\)", lambda: lowered(k.truth_of_some)),

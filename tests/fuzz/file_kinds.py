@@ -13,6 +13,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final
 
+import click
 import numpy as np
 from click.testing import CliRunner
 from numpy.typing import NDArray
@@ -21,7 +22,7 @@ from PIL import Image
 from tests.fuzz.file_scenes import POSE, SCENES, ply_bytes, views
 from tests.mapper.graphs import accumulator
 from vividc import dfg, program
-from vividc.cli import main
+from vividc.cli import completion, main
 from vividc.host import cache, compiled_files, machine_code
 from vividc.paper.frames import Key, Row, measured
 from vividc.paper.scenes import Scenes
@@ -199,6 +200,17 @@ def _of_programs(home: Path) -> Iterator[Kind]:
     c_file = (home / "loops.ll").read_bytes()
     in_c = ("compile", "{file}:up", *compiling[2:])
     yield Kind("kernel in C", "text", "k.ll", c_file, in_c, share=3)
+    seen = ("view", "{file}", "--inputs", "{home}/sums.npz", "--cycles", "0:20", "-o", "{out}.html")
+    yield Kind("program to view", "bundle", "p.vivid", sums, seen, share=3)
+    beside = ("view", "{home}/sums.vivid", "--source", "{file}", "-o", "{out}.html")
+    yield Kind("source to view", "text", "k.py", KERNEL.encode(), beside, share=3)
+    yield Kind("kernel to complete", "text", "k.py", KERNEL.encode(), call=_complete)
+
+
+def _complete(path: Path) -> object:
+    """What TAB offers behind the file's name."""
+    command = click.Command("compile")
+    return completion.kernel(click.Context(command), click.Option(["--of"]), f"{path}:")
 
 
 def _graphs(home: Path) -> None:
