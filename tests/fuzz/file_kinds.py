@@ -200,9 +200,9 @@ def _of_programs(home: Path) -> Iterator[Kind]:
     c_file = (home / "loops.ll").read_bytes()
     in_c = ("compile", "{file}:up", *compiling[2:])
     yield Kind("kernel in C", "text", "k.ll", c_file, in_c, share=3)
-    seen = ("view", "{file}", "--inputs", "{home}/sums.npz", "--cycles", "0:20", "-o", "{out}.html")
+    seen = ("view", "{file}", "--inputs", "{home}/sums.npz", "--cycles", "0:20", "-o", "{out}")
     yield Kind("program to view", "bundle", "p.vivid", sums, seen, share=3)
-    beside = ("view", "{home}/sums.vivid", "--source", "{file}", "-o", "{out}.html")
+    beside = ("view", "{home}/sums.vivid", "--source", "{file}", "-o", "{out}")
     yield Kind("source to view", "text", "k.py", KERNEL.encode(), beside, share=3)
     yield Kind("kernel to complete", "text", "k.py", KERNEL.encode(), call=_complete)
 
