@@ -15,7 +15,9 @@ from vividc import lang
 
 ONE = np.float32(1.0)
 LARGEST = np.float32(80.0)
-TWO = np.uint32(2)
+HIGH = np.int32(16)
+RAYS = np.uint32(63)
+PLACE = np.uint32(22)
 UPPER = np.uint32(0x3C000000)
 """0 and 1 as float16: the products with a word of finite numbers add up to the upper one."""
 
@@ -148,18 +150,29 @@ def directions_fp8(directions, scale, out):
             out[block, ray, 3] = word(t[12], t[13], t[14], t[15], scale)
 
 
-@vividc.kernel("void(uint32[:, :, ::1], uint32[::1], uint32[:, :, ::1])")
-def colour_inputs_fp8(features, seen, out):
-    """The network's inputs from words by sample: four of the direction, then those of features."""
-    for block in range(out.shape[0]):
-        for sample in range(16):
-            first = np.uint32((np.uint32(block) << np.uint32(6)) + (np.uint32(sample) << TWO))
-            for k in range(4):
-                out[block, k, sample] = seen[first + np.uint32(k)]
-    for block in range(out.shape[0]):
-        for sample in range(16):
-            for k in range(features.shape[2]):
-                out[block, k + 4, sample] = features[block, sample, k]
+@vividc.kernel("void(uint32[:, ::1], uint32[:, ::1], int32[::1], uint32[:, :, ::1])")
+def colour_inputs_fp8(rows, of_rays, items, out):
+    """The network's inputs of those samples of a piece that survive: four words of their ray's
+    direction, then their row of features. The last sample fills the last block up.
+
+    Parameters
+    ----------
+    rows, of_rays
+        [m, words] of all samples of the piece, [64, 4] of its rays.
+    items
+        As in marching.py.
+    """
+    last = np.int32(len(items) - 1)
+    for sample in range(16 * out.shape[0]):
+        ray = np.uint32(items[min(np.int32(sample), last)] >> HIGH) & RAYS
+        out[sample >> 4, 0, sample & 15] = of_rays[ray, 0]
+        out[sample >> 4, 1, sample & 15] = of_rays[ray, 1]
+        out[sample >> 4, 2, sample & 15] = of_rays[ray, 2]
+        out[sample >> 4, 3, sample & 15] = of_rays[ray, 3]
+    for sample in range(16 * out.shape[0]):
+        for word in range(rows.shape[1]):
+            row = np.uint32(items[min(np.int32(sample), last)]) >> PLACE
+            out[sample >> 4, 4 + word, sample & 15] = rows[row, word]
 
 
 @njit

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,8 @@ from vividc import KernelFunction
 from vividc.render.array import Ledger
 from vividc.render.array.device.launches import Gathered, Launch, Move
 from vividc.render.array.device.programs import kernel_folder, kernel_module
-from vividc.render.arrays import Float32Array
+from vividc.render.array.network.networks import in_blocks
+from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.radiance import March
 
 
@@ -116,6 +118,31 @@ def gather_by_numba(
     host: Host, ledger: Ledger, stage: str, table: np.ndarray, rows: Sequence[np.ndarray]
 ) -> np.ndarray:
     return np.concatenate([table[part] for part in rows])
+
+
+@dataclass
+class HostKept:
+    """One piece of samples that survive, with what fields ask for: `field.Kept`."""
+
+    where: Float32Array
+    computed: np.ndarray
+    rays: Int32Array
+    directions: Float32Array
+
+    @property
+    def lengths(self) -> list[int]:
+        return [len(self.where)]
+
+    def points(self) -> tuple[Float32Array, Int32Array]:
+        return self.where, self.rays
+
+    def features(self) -> np.ndarray:
+        return self.computed
+
+    def in_blocks(self, kernel: str, of_rays: np.ndarray, words: int) -> np.ndarray:
+        rows = np.concatenate((of_rays[self.rays], self.computed.view(np.uint32)), axis=1)
+        assert rows.shape[1] == words
+        return np.ascontiguousarray(in_blocks(rows).transpose(0, 2, 1))
 
 
 def samples_of(march: March, count: int) -> tuple[Float32Array, Float32Array]:

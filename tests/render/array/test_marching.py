@@ -14,9 +14,10 @@ from tests.render.array.by_numba import Host, gather_by_numba, launch_by_numba
 from vividc.render import Camera, SceneError, psnr, read_scene, read_views, scaled_camera
 from vividc.render.array import ArrayOptions, Device, Ledger
 from vividc.render.array.device import launches
-from vividc.render.array.march import marching
+from vividc.render.array.march import kept
 from vividc.render.array.march.batches import render_blocks
 from vividc.render.array.march.depths import SIDE, block_corners
+from vividc.render.array.models.field import ModelField
 from vividc.render.array.sampling import expected_samples, pixels_of, sampled
 from vividc.render.radiance import (
     KiloNeRF,
@@ -32,14 +33,13 @@ from vividc.render.splat.blend_reference import over_background
 MIC = Path(__file__).parents[3] / "scenes" / "mic"
 
 
-class HostField:
+class HostField(ModelField):
     """A reference model as an `ArrayField`."""
 
     def __init__(self, model: RadianceField, march: March | None = None) -> None:
+        super().__init__(model)
         self.model = model
         self.march = march or model.march
-        self.weight_min = model.weight_min
-        self.transmittance_min = model.transmittance_min
 
     def density(self, points: np.ndarray, ledger: Ledger) -> tuple[np.ndarray, np.ndarray]:
         thickness, features = self.model.density(points, linear)
@@ -78,7 +78,7 @@ class NarrowField(HostField):
 @pytest.fixture
 def host(monkeypatch: pytest.MonkeyPatch) -> Host:
     monkeypatch.setattr(launches, "run_shares", launch_by_numba)
-    monkeypatch.setattr(marching, "gather_rows", gather_by_numba)
+    monkeypatch.setattr(kept, "gather_rows", gather_by_numba)
     return Host()
 
 

@@ -9,7 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.render.array.by_numba import Host, gather_by_numba, launch_by_numba, samples_of
+from tests.render.array.by_numba import (
+    Host,
+    HostKept,
+    gather_by_numba,
+    launch_by_numba,
+    samples_of,
+)
 from vividc.formats import E4M3, F16, FORMATS, Format, round_array, to_floats
 from vividc.gemm import Layer
 from vividc.gemm.packed import packed
@@ -149,7 +155,7 @@ def test_narrow_fields_are_near_the_reference(
     thickness, features = field.density(points, Ledger())
     exact, exact_features = model.density(points, linear)
     rays = np.arange(200, dtype=np.int32)
-    colour = field.colour(points, features, rays, directions, Ledger())
+    (colour,) = field.colours(HostKept(points, features, rays, directions), Ledger())
     truth = model.colour(points, exact_features, directions, linear)
     bound = {"fp16": 2e-3, "fp8": 0.12}[precision]
     assert np.abs(colour - truth).mean() < bound / 4
@@ -158,7 +164,8 @@ def test_narrow_fields_are_near_the_reference(
     some = np.arange(3, 200, 7)
     fewer, fewer_features = field.density(points[some], Ledger())
     np.testing.assert_array_equal(fewer, thickness[some])
-    part = field.colour(points[some], fewer_features, rays[some], directions, Ledger())
+    less = HostKept(points[some], fewer_features, rays[some], directions)
+    (part,) = field.colours(less, Ledger())
     np.testing.assert_array_equal(part, colour[some])
 
 
@@ -175,7 +182,8 @@ def test_features_that_fill_no_words_are_filled_up(host: Host) -> None:
     ledger = Ledger()
     field = InstantNGPField(odd, host, "fp8")
     rays = np.arange(40, dtype=np.int32)
-    found = field.colour(points, field.density(points, ledger)[1], rays, directions, ledger)
+    kept = HostKept(points, field.density(points, ledger)[1], rays, directions)
+    (found,) = field.colours(kept, ledger)
     assert np.abs(found - exact).max() < 0.12
 
 

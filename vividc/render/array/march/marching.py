@@ -8,21 +8,32 @@ jobs, as the host of a GPU would.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
-import numpy.typing as npt
 
-from vividc import LoopOptions
 from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
-from vividc.render.array.device.gather import gather_rows
-from vividc.render.array.device.launches import Launch, run_launches
+from vividc.render.array.device.launches import Launch
 from vividc.render.array.march.bricks import Bricks, pack_bricks
 from vividc.render.array.march.depths import Blocks
-from vividc.render.array.march.pieces import RAYS, Piece, Survivors, pieces_of, survivors_of, total
+from vividc.render.array.march.kept import (
+    KERNELS,
+    LAUNCH_COST,
+    KeptSamples,
+    is_narrow,
+    points_of,
+    run_kernel,
+)
+from vividc.render.array.march.pieces import (
+    RAYS,
+    Piece,
+    Rays,
+    Survivors,
+    pieces_of,
+    survivors_of,
+    total,
+)
 from vividc.render.array.models.field import ArrayField, Features
 from vividc.render.array.options import ArrayOptions
 from vividc.render.arrays import Float32Array, Int32Array
@@ -30,7 +41,6 @@ from vividc.render.camera import Camera
 from vividc.render.errors import SceneError
 from vividc.render.radiance import March
 
-_KERNELS = "render/marching"
 _STEPS_AT_ONCE = (8, 4, 2, 1)
 """Steps of all rays that are looked at before their cells, the best first: loops have to fill."""
 _RAY_WORDS = 5
@@ -41,6 +51,8 @@ _SAMPLE_WORDS = 5
 """Of each sample in a launch of the kernels behind the marching one."""
 _OTHER_BYTES = 2048
 """Of the arrays in such a launch that are not by sample, and what aligning takes."""
+_ROWS_SHARE = 0.4
+"""Of a scratchpad for the rows that a field has it hold, twice."""
 _SPARE_WORDS = 128
 """For the other small arrays of the marching kernel, and what aligning them takes."""
 _MOST_STEPS = 1 << 15
@@ -50,31 +62,6 @@ _LEAST_PARTS = 2
 """That there is room for: a launch that goes on waits for all others."""
 _COUNT_BIT = 16
 """Above it the marching kernel returns how many samples there are, below it where to go on."""
-_NARROW_WORDS = 4
-"""Rows that a kernel copies are as wide at most: DMA reads each row it gathers in granules."""
-_LAUNCH_COST = 40
-"""Of a launch of the kernels behind the marching one, in samples."""
-
-AnyPiece = TypeVar("AnyPiece", bound=Piece)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Rays:
-    """The rays of a batch as the kernels take them.
-
-    Attributes
-    ----------
-    directions
-        [n, 3] float32, (0, 0, 0) outside the picture.
-    entries
-        [n] float32 distance at which each enters the box.
-    steps
-        [n] uint32 first step, and << 16 the one behind the last.
-    """
-
-    directions: Float32Array
-    entries: Float32Array
-    steps: npt.NDArray[np.uint32]
 
 
 class Marcher:
@@ -106,20 +93,23 @@ class Marcher:
         thickness = np.zeros(0, dtype=np.float32)
         features: Features = np.zeros((0, 0), dtype=np.float32)
         if pieces:
-            points, _ = self._points("ray marching", rays, pieces, with_rays=False)
+            points, _ = points_of(
+                *(self._device, self._ledger, "ray marching", self._geometry, rays, pieces),
+                with_rays=False,
+            )
             thickness, features = self._field.density(points, ledger)
-        wide = self._lookahead and not _is_narrow(features)
+        wide = self._lookahead and not is_narrow(features)
         survivors, left = self._light(pieces, thickness, len(blocks) * RAYS, wide)
         counted = sum(np.count_nonzero(piece.weights) for piece in survivors)
         ledger.count(colour_samples=total(survivors), counted_samples=int(counted))
-        colours = np.zeros((0, 3), dtype=np.float32)
+        colours: Sequence[Float32Array] = [np.zeros((0, 3), np.float32)] * len(survivors)
         if total(survivors):
-            kept = self._kept(survivors, features)
-            points, of_rays = self._points("compaction", rays, survivors, with_rays=True)
-            colours = self._field.colour(points, kept, of_rays, rays.directions, ledger)
+            given = (self._geometry, rays, survivors, features, self._lookahead)
+            kept = KeptSamples(self._device, ledger, *given)
+            colours = self._field.colours(kept, ledger)
         return self._accumulate(survivors, colours, left).reshape(-1, RAYS, 4)
 
-    def _camera_rays(self, blocks: Blocks) -> _Rays:
+    def _camera_rays(self, blocks: Blocks) -> Rays:
         camera = self._camera
         pose = np.ascontiguousarray(camera.c2w[:3, :3], dtype=np.float32)
         focal = camera.focal
@@ -128,14 +118,14 @@ class Marcher:
         directions = np.zeros((*shape, 3), dtype=np.float32)
         entries, steps = np.zeros(shape, dtype=np.float32), np.zeros(shape, dtype=np.uint32)
         self._device.spread(
-            *(self._ledger, "ray generation", f"{_KERNELS}:camera_rays"),
+            *(self._ledger, "ray generation", f"{KERNELS}:camera_rays"),
             *(pose, lens, self._geometry, self._field.march.samples),
             *(blocks.corners, blocks.depths, directions, entries, steps),
             effort="fast",  # 1 % of a frame, and long loops
         )
-        return _Rays(directions.reshape(-1, 3), entries.reshape(-1), steps.reshape(-1))
+        return Rays(directions.reshape(-1, 3), entries.reshape(-1), steps.reshape(-1))
 
-    def _march(self, blocks: Blocks, rays: _Rays) -> list[Piece]:
+    def _march(self, blocks: Blocks, rays: Rays) -> list[Piece]:
         """Return the samples of all blocks.
 
         Where a launch has no room for all samples of a block, another one goes on.
@@ -158,10 +148,10 @@ class Marcher:
                 if goes_on:
                     again.append((number, goes_on))
             todo = again
-        return list(pieces_of(found, _samples_at_once(self._device)))
+        return list(pieces_of(found, _samples_at_once(self._device, self._field)))
 
     def _march_launch(
-        self, number: int, start: int, end: int, rays: _Rays, items: Int32Array
+        self, number: int, start: int, end: int, rays: Rays, items: Int32Array
     ) -> Launch:
         bricks = self._bricks
         shared = {
@@ -186,34 +176,6 @@ class Marcher:
             cost=end - start + 1,
         )
 
-    def _points(
-        self, stage: str, rays: _Rays, pieces: Sequence[Piece], *, with_rays: bool
-    ) -> tuple[Float32Array, Int32Array]:
-        """Return the place [n, 3] of each sample, and its ray [n], if it is asked for."""
-        points = np.zeros((total(pieces), 3), dtype=np.float32)
-        of_rays = np.zeros(len(points), dtype=np.int32)
-        launches = [
-            Launch(
-                shapes={} if with_rays else {"rays": (len(piece.items),)},
-                inputs={
-                    "directions": rays.directions[piece.rays],
-                    "entries": rays.entries[piece.rays],
-                    "items": piece.items,
-                },
-                outputs={
-                    "points": points[piece.samples],
-                    **({"rays": of_rays[piece.samples]} if with_rays else {}),
-                },
-                shared={"geometry": self._geometry},
-                scalars={"first_ray": piece.first_ray},
-                cost=len(piece.items) + _LAUNCH_COST,
-            )
-            for piece in pieces
-            if len(piece.items)
-        ]
-        self._run(stage, "sample_points", launches)
-        return points, of_rays
-
     def _light(
         self, pieces: Sequence[Piece], thickness: Float32Array, rays: int, with_numbers: bool
     ) -> tuple[list[Survivors], Float32Array]:
@@ -225,7 +187,8 @@ class Marcher:
         weights = np.zeros_like(thickness)
         left = np.ones(rays, dtype=np.float32)
 
-        def launch(piece: Piece) -> Launch:
+        def launch(number: int) -> Launch:
+            piece = pieces[number]
             of_rays = {"left": left[piece.rays]}
             return Launch(
                 inputs={
@@ -246,54 +209,34 @@ class Marcher:
                     "first_sample": piece.first,
                     "keep_all": int(not self._lookahead),
                 },
-                cost=len(piece.items) + _LAUNCH_COST,
+                cost=len(piece.items) + LAUNCH_COST,
             )
 
         counts = self._in_turns("transmittance", "transmittance", pieces, launch)
         return list(survivors_of(pieces, counts, items, numbers, weights)), left
 
-    def _kept(self, survivors: Sequence[Survivors], features: Features) -> Features:
-        """Return the features of the survivors; without lookahead all samples survive."""
-        width = features.shape[1]
-        if not self._lookahead or not width:
-            return features[: total(survivors)]
-        if not _is_narrow(features):
-            rows = [piece.numbers for piece in survivors]
-            return gather_rows(self._device, self._ledger, "compaction", features, rows)
-        words = features.view(np.uint32)
-        kept = np.zeros((total(survivors), width), dtype=np.uint32)
-        launches = [
-            Launch(
-                inputs={"rows": words[piece.places].reshape(-1), "items": piece.items},
-                outputs={"out": kept[piece.samples].reshape(-1)},
-                scalars={"shift": width.bit_length() - 1},
-                cost=len(piece.items) + _LAUNCH_COST,
-            )
-            for piece in survivors
-            if len(piece.items)
-        ]
-        self._run("compaction", "keep_rows", launches)
-        return kept.view(features.dtype)
-
     def _accumulate(
-        self, survivors: Sequence[Survivors], colours: Float32Array, left: Float32Array
+        self, survivors: Sequence[Survivors], colours: Sequence[Float32Array], left: Float32Array
     ) -> Float32Array:
-        """Return r, g, b over white and transmittance of each ray [n, 4]."""
+        """Return r, g, b over white and transmittance of each ray [n, 4], of each piece's colours
+        [n, 3].
+        """
         out = np.ones((len(left), 4), dtype=np.float32)
 
-        def launch(piece: Survivors) -> Launch:
+        def launch(number: int) -> Launch:
+            piece = survivors[number]
             of_rays = {"out": out[piece.rays]}
             return Launch(
                 inputs={
                     "weights": piece.weights,
                     "items": piece.items,
-                    "colours": colours[piece.samples],
+                    "colours": colours[number],
                     "left": left[piece.rays],
                     **(of_rays if piece.turn else {}),
                 },
                 outputs=of_rays,
                 scalars={"goes_on": int(piece.turn > 0), "is_last": int(piece.is_last)},
-                cost=len(piece.items) + _LAUNCH_COST,
+                cost=len(piece.items) + LAUNCH_COST,
             )
 
         self._in_turns("accumulation", "accumulate", survivors, launch)
@@ -303,28 +246,22 @@ class Marcher:
         self,
         stage: str,
         kernel: str,
-        pieces: Sequence[AnyPiece],
-        launch: Callable[[AnyPiece], Launch],
+        pieces: Sequence[Piece],
+        launch: Callable[[int], Launch],
     ) -> list[int]:
-        """Run a launch for each piece, behind that of the piece before it, and return what each
-        returned.
+        """Run a launch for each piece, by its number, behind that of the piece before it, and
+        return what each returned.
         """
         returned = [0] * len(pieces)
         for turn in range(1 + max((piece.turn for piece in pieces), default=-1)):
             numbers = [number for number, piece in enumerate(pieces) if piece.turn == turn]
-            values = self._run(stage, kernel, [launch(pieces[number]) for number in numbers])
+            values = self._run(stage, kernel, [launch(number) for number in numbers])
             for number, value in zip(numbers, values, strict=True):
                 returned[number] = value
         return returned
 
     def _run(self, stage: str, kernel: str, launches: Sequence[Launch]) -> list[int]:
-        """Run launches, and count what the host reads of them: a word each."""
-        name = f"{_KERNELS}:{kernel}"
-        returned = run_launches(
-            self._device, self._ledger, stage, name, launches, loops=LoopOptions(auto=False)
-        )
-        self._ledger.count(words_read_by_host=len(launches))
-        return returned
+        return run_kernel(self._device, self._ledger, stage, kernel, launches)
 
 
 def parts_of(march: March, blocks: Blocks, at_once: int) -> list[int]:
@@ -335,16 +272,11 @@ def parts_of(march: March, blocks: Blocks, at_once: int) -> list[int]:
     return parts
 
 
-def _is_narrow(features: Features) -> bool:
-    """Whether a kernel copies the rows of the survivors."""
-    width: int = features.shape[1]
-    return width <= _NARROW_WORDS and width & (width - 1) == 0
-
-
-def _samples_at_once(device: Device) -> int:
+def _samples_at_once(device: Device, field: ArrayField) -> int:
     """Return how many samples a launch behind the marching one has room for."""
     words = (device.scratchpad_bytes - _OTHER_BYTES) // WORD_BYTES
-    return min(_SAMPLES_AT_ONCE, words // _SAMPLE_WORDS)
+    held = _ROWS_SHARE * words / max(field.held_words, 1)
+    return min(_SAMPLES_AT_ONCE, words // _SAMPLE_WORDS, int(held))
 
 
 def geometry_of(march: March, camera: Camera) -> Float32Array:

@@ -6,11 +6,31 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from vividc.render.array.march.depths import SIDE
 from vividc.render.arrays import Float32Array, Int32Array
 
 RAYS = SIDE * SIDE
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rays:
+    """The rays of a batch as the kernels take them.
+
+    Attributes
+    ----------
+    directions
+        [n, 3] float32, (0, 0, 0) outside the picture.
+    entries
+        [n] float32 distance at which each enters the box.
+    steps
+        [n] uint32 first step, and << 16 the one behind the last.
+    """
+
+    directions: Float32Array
+    entries: Float32Array
+    steps: npt.NDArray[np.uint32]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
+from collections.abc import Sequence
+from itertools import accumulate, pairwise
 from typing import Protocol, TypeAlias
 
 import numpy as np
@@ -13,6 +16,42 @@ from vividc.render.radiance.volume import Sampled
 
 Features: TypeAlias = npt.NDArray[np.float32 | np.uint32]
 """Words of four bytes: numbers, or what the field packs into them."""
+UInt32Array: TypeAlias = npt.NDArray[np.uint32]
+
+
+class Kept(Protocol):
+    """The samples whose colour is wanted, in pieces; jobs make what is asked for of them."""
+
+    @property
+    def directions(self) -> Float32Array:
+        """Unit directions [R, 3] of all rays, (0, 0, 0) outside the picture."""
+        ...
+
+    @property
+    def lengths(self) -> list[int]:
+        """How many samples each piece has."""
+        ...
+
+    def points(self) -> tuple[Float32Array, Int32Array]:
+        """Return their places [n, 3] and rays [n]; those in a row lie near each other."""
+        ...
+
+    def features(self) -> Features:
+        """Return their features [n, F], as `density` returned them."""
+        ...
+
+    def in_blocks(self, kernel: str, of_rays: UInt32Array, words: int) -> UInt32Array:
+        """Return what a kernel makes of words [R, 4] of their rays and of their features,
+        [B, words, 16] uint32: of each piece as many blocks as it takes, and the last one filled up
+        with its last sample.
+
+        Parameters
+        ----------
+        kernel
+            Gets `rows`, [m, F] features as words of all samples of a piece, `of_rays`, [64, 4] of
+            its rays, `items`, as in kernels/render/marching.py, and `out`.
+        """
+        ...
 
 
 class ArrayField(Sampled, Protocol):
@@ -21,6 +60,9 @@ class ArrayField(Sampled, Protocol):
     What a sample gives does not depend on the other samples of the call: a picture is then the
     same to the last bit with and without lookahead.
     """
+
+    held_words: int
+    """Of a sample in what `Kept.in_blocks` holds of a piece: its features, or 0: it is not used."""
 
     def density(self, points: Float32Array, ledger: Ledger) -> tuple[Float32Array, Features]:
         """Return optical thickness [n] of one step at `points` [n, 3], and features [n, F].
@@ -32,6 +74,30 @@ class ArrayField(Sampled, Protocol):
         """
         ...
 
+    def colours(self, kept: Kept, ledger: Ledger) -> Sequence[Float32Array]:
+        """Return r, g, b [n, 3] of each piece's samples."""
+        ...
+
+
+class ModelField:
+    """What an `ArrayField` takes from its model as it is, and how it asks for samples."""
+
+    held_words = 0
+
+    def __init__(self, model: Sampled) -> None:
+        self.march = model.march
+        self.weight_min = model.weight_min
+        self.transmittance_min = model.transmittance_min
+
+    def colours(self, kept: Kept, ledger: Ledger) -> Sequence[Float32Array]:
+        """Return r, g, b [n, 3] of each piece's samples."""
+        features = kept.features()
+        points, rays = kept.points()
+        rgb = self.colour(points, features, rays, kept.directions, ledger)
+        bounds = accumulate(kept.lengths, initial=0)
+        return [rgb[first:last] for first, last in pairwise(bounds)]
+
+    @abstractmethod
     def colour(
         self,
         points: Float32Array,
@@ -51,13 +117,3 @@ class ArrayField(Sampled, Protocol):
         directions
             [R, 3] of rays, (0, 0, 0) outside the picture.
         """
-        ...
-
-
-class ModelField:
-    """What an `ArrayField` takes from its model as it is."""
-
-    def __init__(self, model: Sampled) -> None:
-        self.march = model.march
-        self.weight_min = model.weight_min
-        self.transmittance_min = model.transmittance_min

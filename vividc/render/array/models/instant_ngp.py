@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import accumulate
 from typing import Final
 
 import numpy as np
@@ -11,8 +12,8 @@ from vividc.render.array.device.block_map import BlockMap
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.gather import gather_rows
-from vividc.render.array.device.launches import Gathered, Words
-from vividc.render.array.models.field import Features, ModelField
+from vividc.render.array.device.launches import Words
+from vividc.render.array.models.field import Features, Kept, ModelField, UInt32Array
 from vividc.render.array.models.hash_encoding import hash_encoding
 from vividc.render.array.network.calibration import largest_inputs
 from vividc.render.array.network.narrow import network
@@ -80,6 +81,7 @@ class InstantNGPField(ModelField):
         ]
         self._colour_network = network(colour_layers, precision, _of(largest, "rgb"))
         self._features = last.shape[1]
+        self.held_words = self._features // _LANES if self._is_fp8 else 0
         for net in (self._density_network, self._colour_network):
             net.check(device)
 
@@ -95,6 +97,21 @@ class InstantNGPField(ModelField):
         words = features.reshape(-1, width)[:count]
         return thickness.reshape(-1)[:count], words.view(np.uint32) if self._is_fp8 else words
 
+    def colours(self, kept: Kept, ledger: Ledger) -> Sequence[Float32Array]:
+        """Return r, g, b [n, 3] of each piece's samples."""
+        if not self._is_fp8:
+            return super().colours(kept, ledger)
+        # A direction is encoded once for all samples of its ray.
+        kernel, net = "render/instant_ngp:colour_inputs_fp8", self._colour_network
+        inputs = kept.in_blocks(kernel, self._encoded(kept.directions, ledger), net.inputs)
+        rgb = np.empty((len(inputs), SAMPLES, _CHANNELS), dtype=np.float32)
+        for first in range(0, len(inputs), _BATCH // SAMPLES):
+            place = slice(first, first + _BATCH // SAMPLES)
+            net.colours(self._device, ledger, inputs[place].view(np.float32), rgb[place])
+        rows = rgb.reshape(-1, _CHANNELS)
+        firsts = accumulate((-(-n // SAMPLES) * SAMPLES for n in kept.lengths), initial=0)
+        return [rows[first : first + n] for first, n in zip(firsts, kept.lengths, strict=False)]
+
     def colour(
         self,
         points: Float32Array,
@@ -103,13 +120,13 @@ class InstantNGPField(ModelField):
         directions: Float32Array,
         ledger: Ledger,
     ) -> Float32Array:
-        """Return r, g, b [n, 3] of features seen along their rays' unit `directions` [R, 3]."""
+        """Return r, g, b [n, 3] of features that are not float8, seen along their rays' unit
+        `directions` [R, 3].
+        """
         count = len(features)
         rgb = room_for(count, _CHANNELS)
-        make = self._rounded_inputs if self._is_fp8 else self._inputs
-        by_ray = self._encoded(directions, ledger) if self._is_fp8 else directions
         for place, (blocks, chosen) in batches(_BATCH, features, rays[:, None]):
-            inputs = make(blocks, chosen.reshape(-1, SAMPLES), by_ray, ledger)
+            inputs = self._inputs(blocks, chosen.reshape(-1, SAMPLES), directions, ledger)
             self._colour_network.colours(self._device, ledger, inputs, rgb[place])
         return rgb.reshape(-1, _CHANNELS)[:count]
 
@@ -153,7 +170,7 @@ class InstantNGPField(ModelField):
             device, ledger, "direction encoding", "render/instant_ngp:colour_inputs", given
         )
 
-    def _encoded(self, directions: Float32Array, ledger: Ledger) -> Words:
+    def _encoded(self, directions: Float32Array, ledger: Ledger) -> UInt32Array:
         """Return the directions' terms as float8 words, [R, 4] uint32."""
         blocks = in_blocks(directions)
         out = np.empty((*blocks.shape[:2], DIRECTION_TERMS // _LANES), np.uint32)
@@ -162,18 +179,6 @@ class InstantNGPField(ModelField):
         stage = BlockMap(kernel, {"directions": blocks}, {"out": out}, scalars=scalars)
         stage.run(self._device, ledger, "direction encoding")
         return out.reshape(-1, out.shape[2])
-
-    def _rounded_inputs(
-        self, features: Words, rays: Int32Array, encoded: Words, ledger: Ledger
-    ) -> Float32Array:
-        """As `_inputs`, of words: a direction is encoded once for all samples of its ray."""
-        words = self._colour_network.words(len(features))
-        BlockMap(
-            kernel="render/instant_ngp:colour_inputs_fp8",
-            inputs={"features": features, "seen": Gathered(encoded, rays)},
-            outputs={"out": words.view(np.uint32)},
-        ).run(self._device, ledger, "direction encoding")
-        return words
 
 
 def _of(largest: Mapping[str, float], name: str) -> list[float]:

@@ -1,0 +1,49 @@
+"""What is made of the samples that survive, by numba."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.render.array.by_numba import Host, launch_by_numba
+from vividc.render.array import Ledger
+from vividc.render.array.device import launches
+from vividc.render.array.march.kept import KeptSamples
+from vividc.render.array.march.pieces import RAYS, Rays, Survivors
+
+KERNEL = "render/instant_ngp:colour_inputs_fp8"
+
+
+@pytest.mark.parametrize("width", [4, 5])
+def test_words_of_rays_and_rows_of_survivors_in_blocks(
+    width: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """More of a piece than a launch has room for, none of another, all and one of others."""
+    monkeypatch.setattr(launches, "run_shares", launch_by_numba)
+    rng = np.random.default_rng(3)
+    sizes, counts = (700, 40, 16, 90), (500, 0, 16, 1)
+    rows = rng.integers(0, 1 << 32, (sum(sizes), width), dtype=np.uint32)
+    of_rays = rng.integers(0, 1 << 32, (len(sizes) * RAYS, 4), dtype=np.uint32)
+    pieces, expected, first, samples = [], [], 0, 0
+    for number, (size, count) in enumerate(zip(sizes, counts, strict=True)):
+        places = np.sort(rng.choice(size, count, replace=False)).astype(np.uint32)
+        rays = rng.integers(0, RAYS, count, dtype=np.uint32)
+        items = (places << 22 | rays << 16 | 77).view(np.int32)
+        none = np.zeros(count, np.int32)
+        pieces.append(
+            Survivors(
+                *(number * RAYS, 0, True, samples, items),
+                *(slice(first, first + size), none, none.astype(np.float32)),
+            )
+        )
+        whole = np.concatenate((of_rays[number * RAYS + rays], rows[first + places]), axis=1)
+        filled = np.pad(whole, ((0, -count % 16), (0, 0)), mode="edge") if count else whole
+        expected.append(filled.reshape(-1, 16, 4 + width).transpose(0, 2, 1))
+        first, samples = first + size, samples + count
+    table = np.zeros((len(of_rays), 3), np.float32)
+    rays_of_batch = Rays(table, table[:, 0], np.zeros(len(table), np.uint32))
+    given = (np.zeros(16, np.float32), rays_of_batch, pieces, rows, True)
+    kept = KeptSamples(Host(), Ledger(), *given)  # type: ignore[arg-type]
+    assert kept.lengths == list(counts)
+    found = kept.in_blocks(KERNEL, of_rays, 4 + width)
+    np.testing.assert_array_equal(found, np.concatenate(expected))
