@@ -124,8 +124,9 @@ def test_results_leave_the_array_packed(precision: Precision) -> None:
     assert run.job.stats["stalls"]["bank"] == 0
 
 
-@pytest.mark.parametrize("inputs", [40, 152])  # PEs that multiply compare, drains load places
+@pytest.mark.parametrize("inputs", with_slow([40, 152], {152}))
 def test_the_last_results_leave_as_words(inputs: int) -> None:
+    """PEs that multiply compare, or drains load places."""
     x = random(100, inputs)
     made = [
         Layer(random(inputs, 32), random(32), "relu", "e4m3"),

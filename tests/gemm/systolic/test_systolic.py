@@ -12,6 +12,8 @@ from vividc.gemm.systolic import (
     Precision,
     SystolicArray,
     SystolicError,
+    SystolicSchedule,
+    chosen_ii,
     gemm_region,
     least_ii,
     plan,
@@ -51,7 +53,7 @@ def test_sums_that_start_from_a_matrix_give_a_legal_mapping(
     region = gemm_region(array, Form(depth, relu, added=True))
     assert not list(check(region.dfg))
     assert violations(region.dfg, array.fabric, region.mapping) == []
-    assert region.mapping.ii == least_ii(array, Form(depth, relu, added=True))
+    assert region.mapping.ii == chosen_ii(array, Form(depth, relu, added=True), 500)
 
 
 @pytest.mark.parametrize("relu", [False, True])
@@ -63,7 +65,7 @@ def test_packed_results_give_a_legal_mapping(results: Precision, depth: int, rel
         region = gemm_region(array, Form(depth, relu, "e4m3", results))
         assert not list(check(region.dfg))
         assert violations(region.dfg, array.fabric, region.mapping) == []
-        assert region.mapping.ii == least_ii(array, Form(depth, relu, "e4m3", results))
+        assert region.mapping.ii == chosen_ii(array, Form(depth, relu, "e4m3", results), 500)
 
 
 def test_drains_that_cannot_pack_are_refused() -> None:
@@ -91,6 +93,14 @@ def test_a_block_takes_a_cycle_more_than_its_inner_dimension() -> None:
     for depth in (35, 64, 128, 150):
         assert least_ii(array, Form(depth, relu=True)) == depth + 1
     assert least_ii(array, Form(32, relu=True)) == 34  # 32 of a drain's slots are taken
+
+
+def test_a_cycle_a_block_is_not_bought_with_a_long_way_to_the_first_one() -> None:
+    array = SystolicArray.of(arch.load("vivid-16x16"))
+    assert [chosen_ii(array, Form(depth), 500) for depth in (16, 38, 64, 150)] == [19, 39, 66, 152]
+    assert chosen_ii(array, Form(64), 65) == 65
+    spans = [SystolicSchedule(array, Form(64), ii).span for ii in (65, 66)]
+    assert spans[0] > spans[1] + 48
 
 
 def test_the_drains_of_a_word_share_its_work() -> None:

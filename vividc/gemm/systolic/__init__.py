@@ -31,7 +31,7 @@ from vividc.gemm.systolic.product import (
     plan,
     windows,
 )
-from vividc.gemm.systolic.schedule import SystolicSchedule, least_ii
+from vividc.gemm.systolic.schedule import SystolicSchedule, chosen_ii, least_ii
 
 __all__ = [
     "BUFFER",
@@ -51,6 +51,7 @@ __all__ = [
     "SystolicSchedule",
     "base_name",
     "check_precision",
+    "chosen_ii",
     "gemm_region",
     "lanes",
     "least_ii",

@@ -16,7 +16,7 @@ from vividc.dfg.ir import DFG, Node
 from vividc.gemm.systolic.array import SystolicArray, SystolicError
 from vividc.gemm.systolic.layout import GROUP_BYTES, TABLE_ROW, BlockLayout, Stream
 from vividc.gemm.systolic.precision import LARGEST, PACKS, PRODUCTS, Form, Precision, lanes
-from vividc.gemm.systolic.schedule import SystolicSchedule, least_ii
+from vividc.gemm.systolic.schedule import SystolicSchedule, chosen_ii
 from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper.mapping import Mapping as Placement
 from vividc.mapper.mapping import Place, Step, Subject
@@ -101,7 +101,7 @@ def plan(
     depth, results = form.depth, form.results
     if depth < 1:
         raise SystolicError(f"an inner dimension of {depth}", hint="give 1 or more")
-    ii = least_ii(array, form)
+    ii = chosen_ii(array, form, array.fabric.controller.contexts - _START)
     fault = array.missing_product(PRODUCTS[form.precision])
     if fault is not None:
         raise SystolicError(

@@ -25,6 +25,12 @@ _PASSED: Final = 2
 """The column whose drain such words pass first."""
 
 
+_BLOCKS: Final = 48
+"""Of a launch: a drain that loads where B lies saves a cycle a block, and the first one begins so
+much earlier (64 words a block: 61 cycles; the renderers' products have 40 or fewer).
+"""
+
+
 class Homes(NamedTuple):
     """Which PEs do what several could."""
 
@@ -55,6 +61,17 @@ def least_ii(array: SystolicArray, form: Form) -> int:
     while homes(array, form, ii) is None:
         ii += 1
     return ii
+
+
+def chosen_ii(array: SystolicArray, form: Form, contexts: int) -> int:
+    """The II at which `_BLOCKS` blocks take the fewest cycles: the least one, or the next if there
+    are so many contexts.
+    """
+    least = least_ii(array, form)
+    if least >= contexts:
+        return least
+    iis = [ii for ii in (least, least + 1) if homes(array, form, ii) is not None]
+    return min(iis, key=lambda ii: SystolicSchedule(array, form, ii).span + _BLOCKS * ii)
 
 
 def homes(array: SystolicArray, form: Form, ii: int) -> Homes | None:
