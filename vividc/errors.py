@@ -120,9 +120,17 @@ def raised(kind: str, text: str, loc: str | SourceLoc | None) -> KernelRaised:
     if isinstance(found, type) and issubclass(found, Exception):
         bases = (KernelRaised, found)
     name = kind if kind.isidentifier() else KernelRaised.__name__
-    made: KernelRaised = type(name, bases, {"__doc__": KernelRaised.__doc__})(
-        f"{kind}: {text}" if text else kind, loc=loc
-    )
+    what = f"{kind}: {text}" if text else kind
+    try:
+        return _raised(name, bases, what, loc)
+    except TypeError:  # one that is made of more than a text, as UnicodeDecodeError
+        return _raised(name, (KernelRaised,), what, loc)
+
+
+def _raised(
+    name: str, bases: tuple[type, ...], what: str, loc: str | SourceLoc | None
+) -> KernelRaised:
+    made: KernelRaised = type(name, bases, {"__doc__": KernelRaised.__doc__})(what, loc=loc)
     return made
 
 

@@ -32,3 +32,14 @@ HELPED = vividc.kernel("int64(float32[::1], int32)")(helper)
 
 def through_a_helper(x, n):
     x[1] = HELPED(x, n)
+
+
+def worded(x, n):
+    x[0] = n
+    if n == 3:
+        raise StopIteration
+    if n == 4:
+        raise ZeroDivisionError("division by zero: None")
+    if n == 5:
+        raise ValueError('zero-size or incompatible "axis" of 100 % \\ é\n')
+    return x[0]

@@ -98,9 +98,15 @@ def transposed(x, n):
     return x.reshape(2, 3).T
 
 
+def either_way(x, n):
+    made = x * np.float32(n)
+    step = 1 if n > 3 else -2
+    return x[::step], made[::-step]
+
+
 KERNELS = (
     *(twice, table, parts, maybe, one_of_three, some, same_twice, doubles, the_parameter),
-    *(transposed,),
+    *(transposed, either_way),
 )
 
 

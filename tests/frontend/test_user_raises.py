@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import vividc
-from tests.frontend.raising_kernels import checked, helper, roots, through_a_helper
+from tests.frontend.raising_kernels import checked, helper, roots, through_a_helper, worded
 from tests.fuzz.witnesses import run_regions, words_in_blocks
 from vividc.dfg.cut.build import build_kernel
-from vividc.errors import SimulationError, SourceLoc
+from vividc.errors import KernelRaised, SimulationError, SourceLoc, raised
 from vividc.program import from_bytes
 from vividc.ssa.interpret import interpret
 from vividc.ssa.rewrite.normalize import normalize
@@ -75,3 +75,28 @@ def test_a_raise_that_cannot_happen_costs_nothing() -> None:
         return x[0]
 
     assert vividc.kernel("float32(float32[::1], int32)")(first).lower().results is None
+
+
+@pytest.mark.parametrize("n", [2, 3, 4, 5])
+def test_a_users_text_may_be_as_numbas_own(n: int) -> None:
+    kernel = vividc.kernel("(float32[::1], int32)")(worded)
+    program = from_bytes(words_in_blocks(kernel.lower()).to_bytes())
+    expected: object = None
+    try:
+        kernel(np.zeros(1, np.float32), np.int32(n))
+    except Exception as error:
+        expected = error
+    x = np.zeros(1, np.float32)
+    if expected is None:
+        assert vividc.simulate(program, x, n).value == n
+    else:
+        with pytest.raises(type(expected)) as caught:
+            vividc.simulate(program, x, n)
+        assert str(expected).strip() in str(caught.value)
+        assert isinstance(caught.value, KernelRaised)
+    assert x[0] == n
+
+
+@pytest.mark.parametrize("kind", ["UnicodeDecodeError", "ExceptionGroup", "KeyError", "Own", "a b"])
+def test_every_type_can_be_raised(kind: str) -> None:
+    assert f"{kind}: text" in str(raised(kind, "text", None))

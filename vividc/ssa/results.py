@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from vividc.errors import SimulationError, SourceLoc, raised
 from vividc.machine.params import Formula, evaluate_formula
+from vividc.machine.words import WORD_MASK
 
 Array = NDArray[Any]
 TUPLE, NONE, OPTIONAL = "tuple", "none", "optional"
@@ -127,7 +128,8 @@ class Results:
         """
         self._demand_no_raise(arrays)
         words = arrays[self.words] if self.words else ()
-        known = {**inputs, **{f"{self.words}.{n}": int(w) for n, w in enumerate(words)}}
+        decided = {f"{self.words}.{n}": int(w) & WORD_MASK for n, w in enumerate(words)}
+        known = {**inputs, **decided}
         bases: dict[tuple[str, str], Array] = {}
         made = [partial(self._leaf, leaf, arrays, known, bases) for leaf in self.leaves]
         return _assembled(self.form, made)

@@ -49,6 +49,11 @@ FLOOR_PREFIX = "vividc.floor "
 
 
 RAISE_PREFIX = "vividc.raise "
+USER_PREFIX = "vividc.user raise "
+"""Callees that raise: numba's functions, and a `raise` or `assert` of the user's, whose text is
+percent-encoded.
+"""
+
 TRAP_PREFIX = "vividc.trap "
 """As a raise, but the kernel goes on behind it: no branch leaves its loops."""
 

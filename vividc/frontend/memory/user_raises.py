@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 from typing import Final
+from urllib.parse import unquote
 
-from vividc.frontend.llvm.calls import RAISE_PREFIX, has_hint
+from vividc.frontend.llvm.calls import RAISE_PREFIX, USER_PREFIX, has_hint
 from vividc.machine.params import DType, Param
 from vividc.ssa.edit import first_free
 from vividc.ssa.ir import Branch, Float, Function, Instr, Int, Value
@@ -53,11 +54,17 @@ def hold_raises(function: Function) -> Function:
 
 
 def _is_raise(op: Instr) -> bool:
-    """A raise of the user's: of numba's own, those with a hint are refused with it."""
-    return op.op == "call" and op.pred.startswith(RAISE_PREFIX) and not has_hint(op.pred)
+    """A raise of the user's, or one of numba's own that has no hint: others are refused with it."""
+    if op.op != "call":
+        return False
+    numbas = op.pred.startswith(RAISE_PREFIX) and not has_hint(op.pred)
+    return numbas or op.pred.startswith(USER_PREFIX)
 
 
 def _raise_of(op: Instr) -> Raise:
-    kind, _, text = op.pred.removeprefix(RAISE_PREFIX).partition(":")
+    what = op.pred.removeprefix(RAISE_PREFIX)
+    if op.pred.startswith(USER_PREFIX):
+        what = unquote(op.pred.removeprefix(USER_PREFIX))
+    kind, _, text = what.partition(":")
     file, line = ("", 0) if op.loc is None else (op.loc.file, op.loc.line)
     return Raise(kind.strip(), text.strip(), file, line)

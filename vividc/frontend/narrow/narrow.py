@@ -17,7 +17,13 @@ from dataclasses import dataclass, replace
 
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.advice import Advice
-from vividc.frontend.llvm.calls import RAISE_PREFIX, RETURNED, TRAP_PREFIX, hint_of_raise
+from vividc.frontend.llvm.calls import (
+    RAISE_PREFIX,
+    RETURNED,
+    TRAP_PREFIX,
+    USER_PREFIX,
+    hint_of_raise,
+)
 from vividc.frontend.narrow import (
     bits as narrow_bits,
 )
@@ -211,7 +217,7 @@ def refuse_calls(function: Function) -> None:
 
 def _is_told(op: Instr) -> bool:
     """A call that only tells of a raise, or of what is returned."""
-    return op.pred.startswith((RAISE_PREFIX, TRAP_PREFIX, RETURNED))
+    return op.pred.startswith((RAISE_PREFIX, USER_PREFIX, TRAP_PREFIX, RETURNED))
 
 
 def _call(emitter: Emitter, op: Instr) -> None:

@@ -10,15 +10,24 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from pathlib import Path
+from string import printable
 from typing import Any, Final
+from urllib.parse import quote
 
+import numba
 from llvmlite import ir
 from numba.core import callconv, cgutils, errors
 
-from vividc.frontend.llvm.calls import RAISE_PREFIX, TRAP_PREFIX
+from vividc.frontend.llvm.calls import RAISE_PREFIX, TRAP_PREFIX, USER_PREFIX
 
 NUMPY: Final = "numpy"
 ERROR_MODELS: Final = (NUMPY, "python")
+
+_LIBRARIES: Final = (Path(numba.__file__).parent, Path(__file__).parents[2])
+"""Where functions are whose raises are no user's."""
+
+_PLAIN: Final = "".join(c for c in printable.strip() + " " if c not in '%"\\')
 
 _model: ContextVar[str] = ContextVar("error_model", default=NUMPY)
 
@@ -51,12 +60,20 @@ def _emit_call(builder: ir.IRBuilder, prefix: str, exc: Any, exc_args: Any) -> A
     """A call of what is named after the exception."""
     name = getattr(exc, "__name__", "exception")
     text = ", ".join(str(arg) for arg in exc_args or ())
-    printable = "".join(c for c in f"{name}: {text}" if c.isascii() and c.isprintable())
-    symbol = prefix + printable.replace('"', "'").replace("\\", "/")
+    if prefix == USER_PREFIX:
+        symbol = prefix + quote(f"{name}: {text}", _PLAIN, errors="backslashreplace")
+    else:
+        shown = "".join(c for c in f"{name}: {text}" if c.isascii() and c.isprintable())
+        symbol = prefix + shown.replace('"', "'").replace("\\", "/")
     kind = ir.FunctionType(ir.VoidType(), ())
     callee = cgutils.get_or_insert_function(builder.module, kind, symbol)
     builder.call(callee, ())
     return callee
+
+
+def _is_users(loc: Any) -> bool:
+    """Whether a raise is a statement of a user's: builtins have no place, libraries have theirs."""
+    return loc is not None and not any(map(Path(loc.filename).is_relative_to, _LIBRARIES))
 
 
 class CallConv(callconv.MinimalCallConv):  # type: ignore[misc]
@@ -64,8 +81,8 @@ class CallConv(callconv.MinimalCallConv):  # type: ignore[misc]
     is what follows the check of a divisor, behind which the kernel goes on.
     """
 
-    def _emit_raise(self, builder: ir.IRBuilder, exc: Any, exc_args: Any) -> None:
-        _emit_call(builder, RAISE_PREFIX, exc, exc_args)
+    def _emit_raise(self, builder: ir.IRBuilder, exc: Any, exc_args: Any, loc: Any) -> None:
+        _emit_call(builder, USER_PREFIX if _is_users(loc) else RAISE_PREFIX, exc, exc_args)
         builder.unreachable()
 
     def return_user_exc(
@@ -76,7 +93,7 @@ class CallConv(callconv.MinimalCallConv):  # type: ignore[misc]
             callee.attributes.add("inaccessiblememonly")  # accesses move across it
             callee.attributes.add("nounwind")
         else:
-            self._emit_raise(builder, exc, exc_args)
+            self._emit_raise(builder, exc, exc_args, loc)
 
     def return_dynamic_user_exc(
         self,
@@ -87,7 +104,7 @@ class CallConv(callconv.MinimalCallConv):  # type: ignore[misc]
         loc: Any = None,
         func_name: Any = None,
     ) -> None:
-        self._emit_raise(builder, exc, ("...",))
+        self._emit_raise(builder, exc, ("...",), loc)
 
     def set_static_user_exc(self, *_: Any, **__: Any) -> None:
         """Numba asks for it to lower a raise inside `try`."""

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from itertools import chain
 
 from vividc.errors import KernelError, SourceLoc
-from vividc.frontend.llvm.calls import _FLAG
 from vividc.frontend.refused.numpy import refused_calls, refused_on
 from vividc.frontend.refused.refusals import Refusal, in_words
 from vividc.frontend.refused.source import AnyFunction, KernelSource, source_of
@@ -39,6 +38,7 @@ class _Rule:
     hint: str
 
 
+_CONSTANT = "give it a constant text, and name no cause"
 _NODES: dict[type[ast.AST], _Rule] = {
     ast.Dict: _Rule("a dict", "use an array, with the keys as indices"),
     ast.DictComp: _Rule("a dict", "use an array, with the keys as indices"),
@@ -50,9 +50,9 @@ _NODES: dict[type[ast.AST], _Rule] = {
     ),
     ast.GeneratorExp: _Rule("a generator expression", "write a loop"),
     ast.JoinedStr: _Rule("a string", "strings are for the host: use integers"),
-    ast.Assert: _Rule("`assert`", "test the condition on the host, or return a flag"),
+    ast.Assert: _Rule("this `assert`", "give it a constant text"),
     ast.Try: _Rule("`try`", "the array has no exceptions: test the condition beforehand"),
-    ast.Raise: _Rule("`raise`", _FLAG),
+    ast.Raise: _Rule("this `raise`", _CONSTANT),
     ast.With: _Rule("`with`", "resources are for the host: open and close them around the kernel"),
     ast.Delete: _Rule("`del`", "a variable needs no deletion, and an array keeps its length"),
     ast.Yield: _Rule("`yield`", "write results into an array"),
