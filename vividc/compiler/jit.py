@@ -24,7 +24,7 @@ from vividc.launch import JobResult
 from vividc.program import Program
 from vividc.sim.run import Result
 
-_TYPES = "give C-contiguous numpy arrays, numbers and booleans"
+_NARROWER = {types.float64: "float32", types.int64: "int32", types.uint64: "uint32"}
 
 
 class JitFunction:
@@ -96,13 +96,13 @@ class JitFunction:
             The function, or the types, are none of a kernel's.
         """
         given = self._bound(args, kwargs)
-        signature = tuple(map(self._type_of, given))
+        signature = self._types_of(given)
         if signature not in self._kernels:
             self._kernels[signature] = kernel(signature, error_model=self._error_model)(self._given)
         return self._kernels[signature]
 
     def _compiled(self, given: tuple[object, ...]) -> Program:
-        signature = tuple(map(self._type_of, given))
+        signature = self._types_of(given)
         if signature not in self.programs:
             found = compile(self.kernel(*given), fabric=self._machine, **self._options)
             self.programs[signature] = found
@@ -124,7 +124,12 @@ class JitFunction:
     def _loc(self) -> SourceLoc:
         return SourceLoc(self.py_func.__code__.co_filename, self.py_func.__code__.co_firstlineno)
 
-    def _type_of(self, value: object) -> Any:
+    def _types_of(self, given: tuple[object, ...]) -> tuple[Any, ...]:
+        names = inspect.signature(self.py_func).parameters
+        rest = (f"argument {place}" for place in range(len(names) + 1, len(given) + 1))
+        return tuple(map(self._type_of, (*names, *rest), given))
+
+    def _type_of(self, name: str, value: object) -> Any:
         """Numba's type of an argument; of a Python float, which has no width, float32."""
         if isinstance(value, float) and not isinstance(value, np.generic):
             return types.float32
@@ -133,9 +138,27 @@ class JitFunction:
         except (ValueError, TypeError):
             found = None
         if not isinstance(found, types.Array | types.Number | types.Boolean):
-            what = f"{quoted(value)} cannot be an argument of {self.name}"
-            raise ArgumentError(what, loc=str(self._loc), hint=_TYPES)
-        return found.copy(readonly=False) if isinstance(found, types.Array) else found
+            kind = type(value).__name__
+            what = f"{name}, {quoted(value)}, cannot be an argument of {self.name}: it is a {kind}"
+            raise ArgumentError(what, loc=str(self._loc), hint=_instead(name, value))
+        if not isinstance(found, types.Array):
+            return found
+        narrower = _NARROWER.get(found.dtype)
+        if narrower is not None or found.layout != "C":
+            what = f"{name} is an array of {found.dtype}, and elements have up to 32 bits"
+            if narrower is None:
+                what = f"{name} is not contiguous in C order"
+            given = name if narrower is None else f"{name}, np.{narrower}"
+            hint = f"convert it first: {name} = np.ascontiguousarray({given})"
+            raise ArgumentError(what, loc=str(self._loc), hint=hint)
+        return found.copy(readonly=False)
+
+
+def _instead(name: str, value: object) -> str:
+    """What to pass for an argument of a type that no kernel takes."""
+    if isinstance(value, list | tuple):
+        return f"pass an array: {name} = np.array({name}, np.float32)"
+    return "pass C-contiguous numpy arrays, numbers and booleans"
 
 
 @overload

@@ -287,7 +287,8 @@ def check_layers(
             known = ", ".join(activations)
             reason = f"unknown activation {layer.activation!r} of {name}"
             if layer.activation in ACTIVATIONS:
-                reason = f"activation {layer.activation!r} of {name} is one of jobs: mlp_job"
+                reason = f"activation {layer.activation!r} of {name} is one of jobs"
+                known += f"; mlp_job(x, [Layer(weights, activation={layer.activation!r})]) takes it"
             raise ArgumentError(reason, hint=f"activations: {known}")
         if layer.bias is not None:
             _check_array(f"the bias of {name}", layer.bias, 1)
@@ -311,9 +312,19 @@ def _features(words: Matrix, first: Layer) -> int:
 
 
 def _check_array(what: str, array: object, ndim: int) -> None:
-    wanted = f"a numpy array of float32 with {ndim} dimensions"
+    wanted = f"a numpy array of float32 with {_dimensions(ndim)}"
     if not isinstance(array, np.ndarray):
-        raise ArgumentError(f"{what} is a {type(array).__name__}", hint=f"give {wanted}")
+        hint = f"give {wanted}: np.array(x, np.float32)"
+        raise ArgumentError(f"{what} is a {type(array).__name__}", hint=hint)
     if array.dtype != np.float32 or array.ndim != ndim:
-        text = f"{what} is an array of {array.dtype} with {array.ndim} dimensions"
-        raise ArgumentError(text, hint=f"give {wanted}")
+        text = f"{what} is an array of {array.dtype} with {_dimensions(array.ndim)}"
+        ways = [".astype(np.float32)"] * (array.dtype != np.float32)
+        if array.ndim < ndim:
+            ways.append(".reshape(1, -1) for one row")
+        elif array.ndim > ndim:
+            ways.append(".reshape(-1)" if ndim == 1 else ".reshape(-1, x.shape[-1])")
+        raise ArgumentError(text, hint=f"give {wanted}: x{''.join(ways)}")
+
+
+def _dimensions(count: int) -> str:
+    return f"{count} dimension{'s' * (count != 1)}"

@@ -32,6 +32,7 @@ EXTENSIBLE: Final = frozenset({"auto", "cpsat", "decoupled"})
 
 _REGISTERED: Final[dict[str, Mapper]] = {}
 _GIVEN: Final[dict[str, Mapper]] = {}
+_REPORT: Final = "report it to the package that provides it, or choose another (--mapper auto)"
 """Of this process, by name: registered, and given as functions, which no list has."""
 
 
@@ -151,13 +152,16 @@ def _guarded(name: str, guest: Mapper) -> Mapper:
             what = f"{type(error).__name__}: {error}"
             raise guest_fault(name, f"failed with {what}") from error
         if not isinstance(result, MapResult):
-            raise guest_fault(name, f"returned a {type(result).__name__} instead of a MapResult")
+            raise guest_fault(
+                name,
+                f"returned a {type(result).__name__} instead of a MapResult",
+                "return one, with the status `timeout` if there is no mapping (docs/mappers.md)",
+            )
         return result
 
     return run
 
 
-def guest_fault(name: str, what: str) -> VividcError:
-    """What a mapper of another package did wrong."""
-    hint = "report it to the package that provides the mapper, or choose another (--mapper auto)"
+def guest_fault(name: str, what: str, hint: str = _REPORT) -> VividcError:
+    """What a mapper of another package, or of the user, did wrong."""
     return VividcError(f"mapper {name!r} {what}", loc="mapper", hint=hint)

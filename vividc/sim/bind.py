@@ -283,7 +283,11 @@ def _array(program: Program, param: Param, value: object) -> Array:
     axes = "" if param.flat else f" with {param.ndim} dimension(s)"
     expected = f"a C-contiguous {param.dtype.value} array{axes}"
     if not isinstance(value, np.ndarray):
-        raise ArgumentError(f"expected {expected}, got {type(value).__name__}", loc=where)
+        hint = f"make one: {param.name} = np.array({param.name}, np.{param.dtype.value})"
+        if not isinstance(value, list | tuple):
+            hint = f"the parameters are {', '.join(one.name for one in program.params)}"
+        reason = f"expected {expected}, got {type(value).__name__}"
+        raise ArgumentError(reason, loc=where, hint=hint)
     if isinstance(value, np.ma.MaskedArray):
         hint = f"fill it, {param.name}.filled(0), and pass the mask as an array of its own"
         raise ArgumentError(f"expected {expected}, got one with a mask", loc=where, hint=hint)
@@ -416,12 +420,15 @@ def _scalar(param: Param, value: object) -> int:
     if isinstance(value, np.generic):
         value = value.item()
     if param.dtype is DType.F32:
+        if isinstance(value, np.ndarray):
+            reason = f"expected float32, got {_told(value)}"
+            raise ArgumentError(reason, loc=where, hint=_number_in(param, value))
         return _float_word(value, where)
     if not isinstance(value, int):
         raise ArgumentError(
             f"expected {param.dtype.value}, got {type(value).__name__}",
             loc=where,
-            hint="convert it with int(...)" if isinstance(value, float) else None,
+            hint=_number_in(param, value),
         )
     counts = param.words == 1 and param.dtype in _ONE_WORD
     low, high = _INT_RANGE[_ONE_WORD[param.dtype] if counts else param.dtype]
@@ -434,6 +441,17 @@ def _scalar(param: Param, value: object) -> int:
             hint=hint if counts else None,
         )
     return value
+
+
+def _number_in(param: Param, value: object) -> str | None:
+    """How to make a scalar of a float that stands for an integer, or of an array."""
+    if isinstance(value, float):
+        return "convert it with int(...)"
+    if not isinstance(value, np.ndarray):
+        return None
+    if value.size == 1:
+        return f"pass its element: {param.name}.item()"
+    return "a scalar takes one number: are the arguments in the order of the parameters?"
 
 
 def _float_word(value: object, where: str) -> int:

@@ -79,6 +79,8 @@ def _problem(detail: ErrorDetails, tree: Tree, model: type[BaseModel], inherits:
     if detail["type"] == "extra_forbidden":
         known = _keys_beside(path, model)
         hint = did_you_mean(str(path[-1]), known) or f"known keys here: {', '.join(known)}"
+        if "at" in known and path[-1] in ("rows", "cols"):
+            hint = f"the place goes under `at`: `at: {{{path[-1]}: ...}}`"
         return Problem(place, f"unknown key `{name}`", hint)
     if detail["type"] == "missing":
         whole = inherits and len(path) == 1

@@ -146,7 +146,9 @@ def command(
         print_loops(program)
         print_product(program, function, fabric)
         print_advice(hints)
-    click.echo(f"written: {path}")
+    for written in (path, graphs, pictures):
+        if written is not None:
+            click.echo(f"written: {written}")
 
 
 def _write_regions(program: Program, graphs: Path | None, pictures: Path | None) -> None:

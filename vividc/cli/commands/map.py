@@ -109,6 +109,8 @@ def command(
     else:
         _print(result, the_dfg, the_fabric, output)
     _draw(result, plot)  # last: a picture that cannot be made loses nothing else
+    if plot is not None and result.mapping is not None and not as_json:
+        say(f"written: {plot}")
     if stopped is not None:
         raise stopped
     _raise_unless_mapped(result, the_dfg, ii, time_limit_s)

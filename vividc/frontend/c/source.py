@@ -37,6 +37,7 @@ _NUMBERED = re.compile(r"^!(\d+) =", re.MULTILINE)
 _LOCATED = re.compile(r"!dbg !\d+ (?:.* )?\{$")
 _PARSE_PLACE = re.compile(r"<string>:(\d+):\d+: error: (.*)")
 _DEBUG = re.compile(r"^.*(?:llvm\.dbg\.|#dbg_).*$|,? !dbg !\d+", re.MULTILINE)
+_PATH_HINT = "check the path; on the command line the form is FILE.ll:FUNCTION"
 _QUOTED = re.compile(r'c?"(?:[^"\\]|\\.)*"')
 
 
@@ -61,7 +62,7 @@ def read_ll(path: Path) -> str:
         text of LLVM IR, or nests brackets deeper than `MAX_DEPTH`.
     """
     demand_utf8_path(path, KernelError)
-    data = read_bytes(path, SOURCE_BYTES, KernelError, "the form is FILE.ll:FUNCTION")
+    data = read_bytes(path, SOURCE_BYTES, KernelError, _PATH_HINT)
     if data.startswith(_BITCODE):
         raise KernelError("LLVM bitcode, not its text", loc=str(path), hint="give clang `-S` too")
     try:

@@ -14,7 +14,7 @@ from types import ModuleType
 from typing import Final
 
 import vividc
-from vividc.errors import VividcWarning
+from vividc.errors import TimeLimit, VividcWarning
 from vividc.program import kept
 from vividc.render.errors import SceneError
 
@@ -23,6 +23,7 @@ _KIND: Final = "stage"
 
 _LATE: Final = "the clock ended the search for a mapping"
 _PATIENCE: Final = 10.0
+_AGAIN: Final = "run it again when the machine is less busy; programs already compiled are kept"
 """Times the limit that the clock allows: on a busy machine the words are to be the same."""
 
 Options = Mapping[str, object]
@@ -106,15 +107,17 @@ class Programs:
         kernel = getattr(kernel_module(file), function, None)
         if not isinstance(kernel, vividc.KernelFunction):
             raise SceneError(f"has no kernel `{function}`", loc=str(file))
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", VividcWarning)
-            with vividc.patient(_PATIENCE):
+        try:
+            with warnings.catch_warnings(), vividc.patient(_PATIENCE):
+                warnings.simplefilter("ignore", VividcWarning)
                 compiled: vividc.Program = vividc.compile(
                     kernel,
                     self.machine,
                     cache=False,  # it is kept here, for all tiles of a kind
                     **options,  # type: ignore[arg-type]
                 )
+        except TimeLimit as error:
+            raise TimeLimit(error.reason, loc=error.loc, hint=_AGAIN) from error
         return compiled
 
     def _key(self, file: Path, function: str, options: Options) -> str:
