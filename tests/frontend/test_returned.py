@@ -6,6 +6,7 @@ import warnings
 from collections import namedtuple
 from collections.abc import Callable
 from copy import deepcopy
+from dataclasses import replace
 
 import numba
 import numpy as np
@@ -13,10 +14,10 @@ import pytest
 
 import vividc
 from tests.fuzz.witnesses import words_in_blocks
-from vividc.errors import KernelError, VividcWarning
+from vividc.errors import KernelError, SimulationError, VividcWarning
 from vividc.program import from_bytes
 from vividc.ssa.interpret import interpret
-from vividc.ssa.results import named_leaves
+from vividc.ssa.results import Leaf, Results, named_leaves
 from vividc.ssa.text import parse, to_text
 
 Point = namedtuple("Point", "x y")
@@ -176,6 +177,22 @@ def test_a_constant_array_is_returned_as_a_copy_only() -> None:
 
     with pytest.raises(KernelError, match="a constant array is returned"):
         vividc.kernel("(float32[::1],)")(returned).lower()
+
+
+def test_a_flag_is_a_scalar() -> None:
+    results = Results((Leaf("float32", ("x",)), Leaf("bool", ("f",), is_scalar=True)))
+    assert replace(results, form=(1, 0, "optional")).is_sound
+    assert not replace(results, form=(0, 0, "optional")).is_sound
+
+
+@pytest.mark.parametrize("is_scalar", [False, True])
+def test_a_damaged_type_lies_outside_its_memory(is_scalar: bool) -> None:
+    for made, size in (((), 3), (("x",), 0)):
+        for dtype in ("int64", "float64"):
+            leaf = Leaf(dtype, ("x",), shape=((1,),), strides=((8,),), is_scalar=is_scalar)
+            results = Results((replace(leaf, offset=(8,)),), made=made)
+            with pytest.raises(SimulationError, match="outside its memory"):
+                results.value({"x": np.zeros(size, np.int32)}, {})
 
 
 def test_which_array_is_returned_is_known_where_the_kernel_ends() -> None:

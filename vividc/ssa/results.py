@@ -25,6 +25,7 @@ from vividc.machine.params import Formula, evaluate_formula
 from vividc.machine.words import WORD_MASK
 
 Array = NDArray[Any]
+_OUTSIDE: Final = "the kernel returned an array that lies outside its memory"
 TUPLE, NONE, OPTIONAL = "tuple", "none", "optional"
 DTYPES: Final = frozenset(
     {"bool", "float16", "float32", "float64"}
@@ -143,19 +144,22 @@ class Results:
 
     @property
     def is_sound(self) -> bool:
-        """Whether the form is one of its leaves."""
-        depth = 0
+        """Whether the form is one of its leaves, with scalars for flags."""
+        flags: list[bool] = []
         for item in self.form:
             if isinstance(item, int):
                 if not 0 <= item < len(self.leaves):
                     return False
-                depth += 1
+                flags.append(self.leaves[item].is_scalar)
                 continue
             needed = _needed(item)
-            if needed is None or depth < needed:
+            if needed is None or len(flags) < needed:
                 return False
-            depth += 1 - needed
-        return depth == 1
+            start = len(flags) - needed
+            if item == OPTIONAL and not flags[start]:
+                return False
+            flags[start:] = [False]
+        return len(flags) == 1
 
     def to_text(self) -> str:
         """JSON."""
@@ -203,7 +207,7 @@ class Results:
             bases[name, leaf.dtype] = elements(arrays[name].reshape(-1), np.dtype(leaf.dtype))
         base = bases[name, leaf.dtype]
         if leaf.is_scalar:
-            return base[0].item()
+            return _view(base, 0, (1,), (base.itemsize,))[0].item()
         offset = evaluate_formula(leaf.offset, known)
         shape = tuple(evaluate_formula(size, known) for size in leaf.shape)
         strides = tuple(evaluate_formula(step, known) for step in leaf.strides)
@@ -288,20 +292,26 @@ def _view(base: Array, offset: int, shape: tuple[int, ...], strides: tuple[int, 
     first = offset + sum(end for end in ends if end < 0)
     last = offset + sum(end for end in ends if end > 0)
     if first < 0 or last + item > base.nbytes or offset % item:
-        raise SimulationError("the kernel returned an array that lies outside its memory")
+        raise SimulationError(_OUTSIDE)
     found: Array = as_strided(base[offset // item :], shape, strides)
     return found
 
 
 def _of_elements(array: Array, dtype: np.dtype[Any]) -> Array:
     """The elements of an argument, looked at as another type if the kernel does."""
-    return array if array.dtype == dtype else array.view(dtype)
+    return array if array.dtype == dtype else _viewed(array, dtype)
+
+
+def _viewed(array: Array, dtype: np.dtype[Any]) -> Array:
+    if array.nbytes % dtype.itemsize:
+        raise SimulationError(_OUTSIDE)
+    return array.view(dtype)
 
 
 def _of_words(words: Array, dtype: np.dtype[Any]) -> Array:
     """The elements whose words the kernel has written."""
     if dtype == np.float64:
-        return words.view(np.float32)[::2].astype(np.float64)
+        return _viewed(words, np.dtype(np.float32))[::2].astype(np.float64)
     if dtype.itemsize >= words.itemsize:
-        return words.view(dtype)
+        return _viewed(words, dtype)
     return words != 0 if dtype == np.bool_ else words.astype(dtype)
