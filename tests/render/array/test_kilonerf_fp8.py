@@ -20,7 +20,8 @@ from vividc.render.radiance.layers import relu, sigmoid
 
 MIC = Path(__file__).parents[3] / "scenes" / "mic"
 KERNELS = kernel_module(kernel_folder() / "render" / "kilonerf_fp8.py")
-SAMPLES = 6
+SAMPLES = 5
+ROOM = (SAMPLES + 1) * CHUNK_WORDS
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +36,12 @@ def numbers(words: np.ndarray) -> np.ndarray:
 
 def rounded(values: np.ndarray) -> np.ndarray:
     return to_floats(E4M3, round_array(E4M3, values))
+
+
+def _words(values: np.ndarray) -> np.ndarray:
+    """Float8 words of samples' values, with room for one more sample."""
+    codes = round_array(E4M3, np.ascontiguousarray(values)).reshape(-1).view(np.uint32)
+    return np.pad(codes, (0, ROOM - len(codes)))
 
 
 def exact_model(model: KiloNeRF) -> KiloNeRF:
@@ -79,35 +86,23 @@ def test_networks_without_rounding_are_the_references(model: KiloNeRF, network: 
     position, direction = (rng.standard_normal((SAMPLES, n)).astype(np.float32) for n in (64, 32))
     position, direction = rounded(position), rounded(direction)
     position[:, 63:] = direction[:, 27:] = 0
-    stride = SAMPLES * CHUNK_WORDS
-    inputs = np.concatenate(
-        [round_array(E4M3, np.ascontiguousarray(x)).reshape(-1) for x in np.split(position, 2, 1)]
-    ).view(np.uint32)
-    hidden, features = np.zeros(stride, np.uint32), np.zeros(stride, np.uint32)
-    thickness, step = np.zeros(SAMPLES, np.float32), np.float32(0.25)
-    KERNELS.density_network(
-        inputs,
-        hidden,
-        features,
-        words.density[network],
-        step * words.density_units[network],
-        stride,
-        thickness,
-    )
-    seen = round_array(E4M3, direction).reshape(-1).view(np.uint32)
+    low, high = (_words(half) for half in np.split(position, 2, 1))
+    features, hidden = np.zeros(ROOM, np.uint32), np.zeros(ROOM, np.uint32)
+    weights = words.density[network]
+    KERNELS.two_chunk_layer(low, high, weights, 0, SAMPLES, features)
+    KERNELS.one_chunk_layer(features, weights, KERNELS.SECOND, SAMPLES, low, np.uint32(0))
+    KERNELS.one_chunk_layer(low, weights, KERNELS.THIRD, SAMPLES, features, KERNELS.LOWEST)
+    sums = [KERNELS.neuron(low, sample, weights, KERNELS.LAST) for sample in range(SAMPLES)]
+    density = np.array(sums, np.float32) * words.density_units[network]
     colours = np.zeros((SAMPLES, 3), np.float32)
+    unit = words.colour_units[network]
     KERNELS.colour_network(
-        np.concatenate((features, seen)),
-        hidden,
-        words.colour[network],
-        words.colour_units[network],
-        stride,
-        colours,
+        features, _words(direction), hidden, words.colour[network], unit, colours
     )
     w1, w2, w3, w4, w5 = (array[network] for array in model.weights)
     ordered = in_words(w1[None], 10)[0]
     result = relu(relu(position @ ordered) @ w2) @ w3
-    np.testing.assert_array_equal(thickness, relu(result[:, 0]) * step)
+    np.testing.assert_array_equal(density, result[:, 0])
     by_direction = in_words(w4[None, 32:], 4)[0]
     layer = relu(result[:, 1:] @ w4[:32] + direction @ by_direction)
     np.testing.assert_allclose(colours, sigmoid(layer @ w5), rtol=0.05)
@@ -149,19 +144,20 @@ def test_networks_that_leave_float32_are_refused(model: KiloNeRF) -> None:
 def test_networks_on_a_tile_are_numbas(model: KiloNeRF, kernel: str) -> None:
     words = fp8_words(model)
     rng = np.random.default_rng(8)
-    stride = SAMPLES * CHUNK_WORDS
-    codes = round_array(E4M3, rng.standard_normal(8 * stride).astype(np.float32))
+    local = rng.uniform(-1, 1, (SAMPLES, 3)).astype(np.float32)
+    chunks = [_words(rng.standard_normal((SAMPLES, 32)).astype(np.float32)) for _ in range(3)]
     function = getattr(KERNELS, kernel)
     program = vividc.compile(function, loops=vividc.LoopOptions(auto=False), time_limit_s=60.0)
     results = []
     for run in (function, lambda *arguments: vividc.simulate(program, *arguments)):
-        arrays = [codes.view(np.uint32).copy()] + [np.zeros(stride, np.uint32) for _ in range(2)]
+        arrays, weights = [chunk.copy() for chunk in chunks], words.colour[5]
+        out = np.zeros((SAMPLES, 3), np.float32)
         if kernel == "density_network":
-            out, weights = np.zeros(SAMPLES, np.float32), words.density[5]
+            arrays, weights = [local, *arrays], words.density[5]
+            out = np.zeros(SAMPLES, np.float32)
+            run(*arrays, weights, np.float32(0.01), out)
         else:
-            arrays, weights = arrays[:2], words.colour[5]
-            out = np.zeros((SAMPLES, 3), np.float32)
-        run(*arrays, weights, np.float32(0.01), stride, out)
+            run(*arrays, weights, np.float32(0.01), out)
         results.append([array.view(np.uint32) for array in (*arrays, out)])
     for host, array in zip(*results, strict=True):
         np.testing.assert_array_equal(host, array)
