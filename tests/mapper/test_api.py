@@ -16,7 +16,6 @@ from vividc import arch
 from vividc.errors import InternalError, VividcError
 from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper import MapProblem, MapRequest, MapResult, map_dfg, registry, violations
-from vividc.mapper.engines.negotiate import prepare
 from vividc.mapper.problem import ConstantKey
 
 
@@ -116,7 +115,6 @@ def test_an_empty_graph_maps() -> None:
 
 
 def test_the_time_limit_is_kept() -> None:
-    prepare()  # what is compiled once an installation is beyond the limit
     began = time.monotonic()
     result = map_dfg(blending(), grid(4, 4, registers=1, constants=32), time_limit_s=0.5)
     assert time.monotonic() - began < 3
@@ -124,7 +122,6 @@ def test_the_time_limit_is_kept() -> None:
 
 
 def test_an_interrupt_stops_the_solver() -> None:
-    prepare()
     # A shell's background job ignores interrupts: so would the simulated one.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     timer = threading.Timer(0.1, _thread.interrupt_main)

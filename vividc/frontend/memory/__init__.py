@@ -2,6 +2,6 @@
 
 In order: `tables` (constants), `null_choices`, `unmerge`, `pick`, `overlap` (what LLVM made of
 choices and copies), `split_returns`, `pointer_math`, `resolve` (an array and an index for each
-access), `flags`, `subword`, `local_arrays`, `traps`, `results` (arrays that are
-returned), `user_raises`.
+access), `flags`, `subword`, `local_arrays`, `traps`, `results` (arrays that are returned),
+`user_raises`.
 """

@@ -1,8 +1,7 @@
 """Exceptions that numba's own functions raise: accesses that the simulator reports.
 
 The array has no exceptions. Where `max` of an empty array or slices of different sizes would raise,
-the kernel stores to an array of no words, whose name says what happened: no witness runs on.
-A
+the kernel stores to an array of no words, whose name says what happened: no witness runs on. A
 division by zero that raises goes on behind the store, so that its loop keeps one way out. What a
 user raises is `user_raises`'.
 """

@@ -96,16 +96,7 @@ class KeptSamples:
         return kept.view(computed.dtype)
 
     def in_blocks(self, kernel: str, of_rays: UInt32Array, words: int) -> UInt32Array:
-        """Return what a kernel makes of words [R, 4] of their rays and of their features,
-        [B, words, 16] uint32: of each piece as many blocks as it takes, and the last one filled up
-        with its last sample.
-
-        Parameters
-        ----------
-        kernel
-            Gets `rows`, [m, F] features as words of all samples of a piece, `of_rays`, [64, 4] of
-            its rays, `items`, as in kernels/render/marching.py, and `out`.
-        """
+        """As `field.Kept` says; launches of a piece share its rows."""
         rows = self.computed.view(np.uint32)
         *_, (_, count) = places = list(self._places())
         out = np.zeros((count, words, SAMPLES), dtype=np.uint32)
