@@ -23,6 +23,14 @@ def test_random_nests_in_other_orders() -> None:
     assert search.counts["trees"] > 15
 
 
+def test_guards_follow_the_loops_that_move() -> None:
+    """A guard on a loop that goes by another name elsewhere named no loop there."""
+    search = Search(sizes=3)
+    search.run(562)
+    assert not search.finds
+    assert search.counts["trees"] > 1
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("hundred", range(10))
 def test_more_random_nests_in_other_orders(hundred: int) -> None:

@@ -126,8 +126,9 @@ class _Writer:
             )
             for (name, old, _), limits in zip(loops, bounds, strict=True)
         ]
+        guards = tuple(guard.substituted(shift) for guard in host.guards)
         shift |= {name: value.substituted(shift) for name, value in host.shift.items()}
-        made = replace(host, dims=tuple(dims), shift=shift)
+        made = replace(host, dims=tuple(dims), guards=guards, shift=shift)
         same = self.relations.domain(made).reset_tuple_id().is_equal(domain)
         return made if same else None
 
