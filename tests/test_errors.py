@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+import vividc
 from vividc.cli import main
-from vividc.errors import VividcError, printable, quoted
+from vividc.errors import VividcError, VividcWarning, printable, quoted
 
 NAME = "a\nb\x1b[31mred"
 SHOWN = r"a\nb\x1b[31mred"
@@ -66,3 +67,17 @@ def test_a_message_has_a_bound_whatever_a_file_holds() -> None:
     assert text.startswith("`AAA")
     assert "\n... and 462 more lines\nhint: yyy" in text
     assert str(VividcError("short", hint="as it is")) == "short\nhint: as it is"
+
+
+def test_a_warning_names_the_line_of_the_users_call(tmp_path: Path) -> None:
+    graph = tmp_path / "g.json"
+    graph.write_text('{"name": "g", "nodes": [{"id": "a", "op": "frobnicate"}], "edges": []}')
+
+    @vividc.jit
+    def halved(a):
+        return a * 0.5
+
+    for call in (lambda: vividc.dfg.load(graph), lambda: halved(3.0)):
+        with pytest.warns(VividcWarning) as caught:
+            call()
+        assert {warning.filename for warning in caught} == {__file__}

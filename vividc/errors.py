@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import builtins
 import os
+import sys
+import warnings
 from dataclasses import dataclass
 from typing import Final
 
@@ -14,6 +16,8 @@ _MOST = 200
 """Characters of a source line in a message."""
 
 _MOST_SOURCE_BYTES = 16 << 20
+
+_PACKAGE: Final = os.path.dirname(__file__) + os.sep
 
 _CUT: Final = "..."
 _LINES: Final = 40
@@ -142,6 +146,14 @@ class CycleLimit(SimulationError):
 
 class VividcWarning(UserWarning):
     """The kernel compiles, but may compute something else than was written."""
+
+
+def warn(text: str, category: type[Warning] = VividcWarning) -> None:
+    """Warn, with the line outside vividc that led to it: that of the user's call."""
+    frame, level = sys._getframe(1), 2
+    while frame.f_code.co_filename.startswith(_PACKAGE) and frame.f_back is not None:
+        frame, level = frame.f_back, level + 1
+    warnings.warn(text, category, stacklevel=level)
 
 
 class InternalError(Exception):

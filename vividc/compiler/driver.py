@@ -44,6 +44,7 @@ from vividc.errors import (
     VividcWarning,
     demand_callable,
     demand_type,
+    warn,
 )
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.frontend.like import Like
@@ -186,7 +187,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
         program = _compiled(kernel, loaded, options, mode, cache)
     texts = [f"{kernel.loc}: {what} took too long and {CUT_SHORT}" for what in limit.cut]
     for text in texts:
-        warnings.warn(text, VividcWarning, stacklevel=2)
+        warn(text)
     compiled_files.note(program.provenance.kernel_file, program.provenance.kernel_sha256)
     return replace(program, warnings=(*program.warnings, *texts))
 
@@ -203,7 +204,7 @@ def _compiled(
     function, parallel, told = lowered(kernel, strict_fp, isinstance(loaded, Accelerator))
     for name in idle_names(dict(options.precision), function):
         text = f"{kernel.name} has no {name}: its precision changes nothing"
-        warnings.warn(text, VividcWarning, stacklevel=2)
+        warn(text)
         told = (*told, text)
     lines = parallel_lines(kernel, wanted)
     if isinstance(loaded, Accelerator) and parallel is None and wanted.threads is None:
@@ -237,7 +238,7 @@ def _compiled(
         dict.fromkeys((*told, *program.warnings))
     )  # a kernel is lowered, and tells, once
     for text in warned[len(told) :]:
-        warnings.warn(text, VividcWarning, stacklevel=2)
+        warn(text)
     return replace(program, warnings=warned)
 
 
@@ -293,7 +294,7 @@ def _cut(
             text = (
                 f"{kernel.loc}: {kernel.name} runs on one tile only: {text}; write it in the kernel"
             )
-            warnings.warn(text, VividcWarning, stacklevel=2)
+            warn(text)
         return watched("frontend", lambda: kernel.lower(strict_fp=strict_fp)), None
     function = watched("frontend", lambda: kernel.lower(strict_fp=strict_fp, spread=True))
     try:
@@ -301,7 +302,7 @@ def _cut(
     except KernelError as refusal:
         loc = refusal.loc or SourceLoc(function.file, min(lines))
         text = f"{loc}: {kernel.name} runs on one tile only: {refusal.reason}; {refusal.hint}"
-        warnings.warn(text, VividcWarning, stacklevel=2)
+        warn(text)
         return function, None
 
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from dataclasses import replace
 
-from vividc.errors import KernelError, TimeLimit, VividcWarning
+from vividc.errors import KernelError, TimeLimit, warn
 from vividc.host import time_limit
 from vividc.machine.parallel import Parallel
 from vividc.program import CUT_SHORT, Program
@@ -46,7 +45,7 @@ def with_nests(
             one = compile_one(nest, share_s)
         except TimeLimit:
             text = f"{parallel.loc}: the nests of {program.name} {CUT_SHORT}"
-            warnings.warn(text, VividcWarning, stacklevel=2)
+            warn(text)
             return replace(program, warnings=(*program.warnings, text))
         made.append(replace(one, parallel=parallel, loops=()))
     return replace(program, nests=tuple(made), order=found.order)

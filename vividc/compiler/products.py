@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import replace
 
 from vividc.arch import Accelerator, Fabric
 from vividc.compiler.planning.price import priced
-from vividc.errors import KernelError, TimeLimit, VividcWarning
+from vividc.errors import KernelError, TimeLimit, warn
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.gemm.kernels.choice import AUTO
 from vividc.gemm.modes import MODES
@@ -84,7 +83,7 @@ def with_products(program: Program, function: Function, machine: Accelerator) ->
         nests = tuple(_with_product(nest, one.function, machine) for nest, one in pairs)
     except TimeLimit:
         text = f"the search for matrix products in nests of {program.name} {CUT_SHORT}"
-        warnings.warn(text, VividcWarning, stacklevel=2)
+        warn(text)
         return replace(program, warnings=(*program.warnings, text))
     return replace(program, nests=nests)
 

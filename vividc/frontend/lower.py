@@ -4,7 +4,6 @@ the user's.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -12,7 +11,7 @@ from typing import Any
 
 from numba.core.errors import NumbaError, UnsupportedBytecodeError
 
-from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
+from vividc.errors import InternalError, KernelError, SourceLoc, warn
 from vividc.frontend.advice import Advice
 from vividc.frontend.llvm.passes import ENTRY
 from vividc.frontend.llvm.reader import read_function
@@ -235,4 +234,4 @@ def _report(
     for loc in sorted({loc or kernel for loc in lines}):
         if strict_fp:
             raise KernelError(what, loc=loc, hint=instead)
-        warnings.warn(f"{loc}: {what} {happens}; {instead}", VividcWarning, stacklevel=2)
+        warn(f"{loc}: {what} {happens}; {instead}")

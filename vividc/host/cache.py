@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import os
 import sys
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -19,7 +18,7 @@ from pathlib import Path
 from threading import RLock
 from typing import Final
 
-from vividc.errors import VividcWarning
+from vividc.errors import warn
 from vividc.host.store import Store
 
 VARIABLE: Final = "VIVIDC_CACHE_DIR"
@@ -142,4 +141,4 @@ def _limit_bytes() -> int:
 @cache
 def complain(what: str) -> None:
     """Once a process."""
-    warnings.warn(what, VividcWarning, stacklevel=2)
+    warn(what)

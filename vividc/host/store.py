@@ -11,7 +11,6 @@ from __future__ import annotations
 import os
 import re
 import stat
-import warnings
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
@@ -20,7 +19,7 @@ from pathlib import Path
 from time import monotonic, sleep, time
 from typing import Final
 
-from vividc.errors import VividcWarning
+from vividc.errors import warn
 
 try:
     import fcntl
@@ -335,4 +334,4 @@ def _shared(status: os.stat_result) -> str | None:
 def _warn(what: str) -> None:
     if not warned:
         warned.append(what)
-        warnings.warn(what, VividcWarning, stacklevel=2)
+        warn(what)

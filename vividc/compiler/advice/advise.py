@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -22,7 +21,7 @@ from vividc.compiler.driver import CompileOptions, checked, parallel_lines
 from vividc.compiler.map_regions import Progress
 from vividc.compiler.planning.options import LoopOptions
 from vividc.compiler.planning.plan import Plan
-from vividc.errors import SourceLoc, TimeLimit, VividcError, VividcWarning
+from vividc.errors import SourceLoc, TimeLimit, VividcError, warn
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.frontend.like import Like
 from vividc.host import time_limit
@@ -117,7 +116,7 @@ def advise(  # noqa: PLR0913 - the keywords of `compile` that a plan depends on
         hints = _hints(request, program, progress)
     for what in dict.fromkeys(limit.cut):
         text = f"{kernel.loc}: {what} took too long: advice may be missing"
-        warnings.warn(text, VividcWarning, stacklevel=2)
+        warn(text)
     return hints
 
 

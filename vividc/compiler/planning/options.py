@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, Final, Literal, TypedDict
 
-from vividc.errors import ArgumentError, demand_type, quoted
+from vividc.errors import ArgumentError, demand_type, quoted, warn
 from vividc.ssa.loops.threads.make import MOST_THREADS
 
 _FACTORS: Final = (1, 2, 4, 8, 16, 32, 64)
@@ -120,7 +119,7 @@ def loop_options(loops: LoopOptions | None, flat: Mapping[str, Any]) -> LoopOpti
     new = f"write loops=vividc.{options}"
     if loops is not None:
         raise ArgumentError(f"loops cannot go with {', '.join(flat)}", hint=new)
-    warnings.warn(f"{', '.join(flat)}: {new}", DeprecationWarning, stacklevel=3)
+    warn(f"{', '.join(flat)}: {new}", DeprecationWarning)
     return options
 
 

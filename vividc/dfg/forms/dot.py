@@ -9,7 +9,6 @@ it; `vividc.dfg.forms.attributes` says which attributes mean what.
 from __future__ import annotations
 
 import json
-import warnings
 from collections.abc import Mapping
 from typing import Final
 
@@ -19,7 +18,7 @@ from vividc.dfg.forms.attributes import drawn_edge, drawn_node
 from vividc.dfg.forms.dot_parser import DotGraph, parse_graph
 from vividc.dfg.forms.json_form import SCHEMA, from_json, to_json
 from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
-from vividc.errors import DFGError, VividcWarning, printable
+from vividc.errors import DFGError, printable, warn
 from vividc.machine.opcodes import BASE, PRED, LatencyClass, Opcode
 
 _COLOURS: Final = {
@@ -167,11 +166,9 @@ def _infer_distances(
         edge["distance"] = 1
     if carried:
         shown = ", ".join(printable(f"{edge['src']} -> {edge['dst']}") for edge in carried[:_SHOWN])
-        warnings.warn(
+        warn(
             f"{file}: no edge has a distance; 1 iteration is taken for {shown}"
-            + (f" and {len(carried) - _SHOWN} more" if len(carried) > _SHOWN else ""),
-            VividcWarning,
-            stacklevel=4,
+            + (f" and {len(carried) - _SHOWN} more" if len(carried) > _SHOWN else "")
         )
 
 

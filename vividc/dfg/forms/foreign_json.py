@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
@@ -18,7 +17,7 @@ from vividc.dfg.forms.attributes import (
 from vividc.dfg.forms.foreign import ForeignEdge, ForeignNode, foreign_edges, foreign_node
 from vividc.dfg.forms.json_fields import Fields, place_of
 from vividc.dfg.ir import DFG, EdgeKind, Node
-from vividc.errors import VividcWarning, quoted
+from vividc.errors import quoted, warn
 from vividc.machine.opcodes import BASE, PRED
 from vividc.machine.words import WORD_MASK
 
@@ -59,11 +58,9 @@ def warn_of_shared_ids(file: str, nodes: Sequence[Fields]) -> None:
     if shared:
         more = f" and {len(shared) - _SHOWN} more" if len(shared) > _SHOWN else ""
         ids = ", ".join(shared[:_SHOWN]) + more
-        warnings.warn(
+        warn(
             f"{file}: no edge tells the operations apart that share the ids {ids}; "
-            "each id is taken as one node",
-            VividcWarning,
-            stacklevel=3,
+            "each id is taken as one node"
         )
 
 
@@ -85,9 +82,7 @@ def warn_of_unknown_keys(
         if wanted
     )
     more = f", and {len(shown) - _SHOWN} more" if len(shown) > _SHOWN else ""
-    warnings.warn(
-        f"{', '.join(shown[:_SHOWN])}{more}: ignored; {known}", VividcWarning, stacklevel=4
-    )
+    warn(f"{', '.join(shown[:_SHOWN])}{more}: ignored; {known}")
 
 
 def _unknown_keys(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final, Literal, get_args
@@ -19,7 +18,7 @@ from vividc.dfg.forms.json_lines import ElementLines, too_long_number
 from vividc.dfg.forms.morpher_xml import parse_morpher_xml
 from vividc.dfg.forms.text import parse
 from vividc.dfg.ir import DFG
-from vividc.errors import DFGError, VividcWarning, demand_type, printable, quoted
+from vividc.errors import DFGError, demand_type, printable, quoted, warn
 from vividc.host.inputs import GRAPH_BYTES, demand_few_values, read_text
 
 UnknownOps = Literal["generic", "refuse"]
@@ -85,11 +84,9 @@ def _judge_unknown(dfg: DFG, file: str, unknown_ops: UnknownOps) -> None:
             hint="rename it as in docs/dfg-formats.md, or let it run on any PE: "
             '--unknown-ops generic, unknown_ops="generic"',
         )
-    warnings.warn(
+    warn(
         f"{file}: unknown operation {names}: taken as generic, which any PE may run; "
-        "--unknown-ops refuse makes this an error",
-        VividcWarning,
-        stacklevel=3,
+        "--unknown-ops refuse makes this an error"
     )
 
 

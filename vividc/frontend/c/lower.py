@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
-from vividc.errors import KernelError, SourceLoc, VividcWarning
+from vividc.errors import KernelError, SourceLoc, warn
 from vividc.frontend.advice import in_c
 from vividc.frontend.c.checks import check_body, reachable, refuse_own_names, refuse_recursion
 from vividc.frontend.c.debug import declared
@@ -142,7 +141,7 @@ def _report_double(param: CParameter, loc: SourceLoc, *, strict_fp: bool) -> Non
     if strict_fp:
         raise KernelError(reason, loc=loc, hint="declare it float")
     text = f"{loc}: {reason} and is rounded to float32; declare it float"
-    warnings.warn(text, VividcWarning, stacklevel=2)
+    warn(text)
 
 
 @contextmanager

@@ -4,13 +4,12 @@ placed.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator, Sequence
 from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass, replace
 
 from vividc.arch import Accelerator, Scratchpad
-from vividc.errors import ArgumentError, SourceLoc, VividcWarning
+from vividc.errors import ArgumentError, SourceLoc, warn
 from vividc.program import WORD_BYTES, Program
 from vividc.sim.footprint.coverage import written_whole
 from vividc.sim.footprint.footprint import Touch, loop_bounds, touched
@@ -139,7 +138,7 @@ def _on_one_tile(cut: Cut, loop: Interval, conflict: ArgumentError) -> Plan:
         raise conflict
     where = "" if conflict.loc is None else f"{conflict.loc}: "
     text = f"{where}{cut.program.name} runs on one tile only: {conflict.reason}"
-    warnings.warn(text, VividcWarning, stacklevel=2)
+    warn(text)
     return plan
 
 
