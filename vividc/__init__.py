@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from vividc.frontend import KernelFunction, LLKernel, load_ll
     from vividc.frontend.kernel import kernel
     from vividc.gemm.kernels.simulate import simulate
+    from vividc.host.progress import progress
     from vividc.host.time_limit import patient
     from vividc.page.write import view
     from vividc.program import Program, load
@@ -47,6 +48,7 @@ __all__ = [
     "mapper",
     "patient",
     "program",
+    "progress",
     "simulate",
     "view",
 ]
@@ -59,6 +61,7 @@ _HOMES = {
     "vividc.compiler.planning.options": ("LoopOptions",),
     "vividc.frontend": ("KernelFunction", "LLKernel", "kernel", "load_ll"),
     "vividc.gemm.kernels.simulate": ("simulate",),
+    "vividc.host.progress": ("progress",),
     "vividc.host.time_limit": ("patient",),
     "vividc.page.write": ("view",),
     "vividc.program": ("Program", "load"),

@@ -175,7 +175,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
         mapper=mapper,
         time_limit_s=time_limit_s,
         effort=effort,
-        progress=progress,
+        progress=watch.to_tell(progress),
         strict_fp=strict_fp,
         contract=contract,
         loops=wanted,

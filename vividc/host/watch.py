@@ -1,4 +1,4 @@
-"""Passes as lists of functions, and an observer of what each one leaves.
+"""Passes as lists of functions, an observer of what each one leaves, and whom to tell.
 
 Nobody looks unless asked (`vividc compile --print-after`): what is only tried, such as the
 estimates behind a choice, is `aside`.
@@ -42,6 +42,24 @@ def watching(watch: Watch | None) -> Iterator[None]:
         yield
     finally:
         _current.reset(token)
+
+
+_told: ContextVar[Callable[..., None] | None] = ContextVar("told", default=None)
+
+
+@contextmanager
+def told(tell: Callable[..., None]) -> Iterator[None]:
+    """Long work inside tells `tell` how far it is, where it was given nobody else to tell."""
+    token = _told.set(tell)
+    try:
+        yield
+    finally:
+        _told.reset(token)
+
+
+def to_tell(progress: Callable[..., None] | None) -> Callable[..., None] | None:
+    """Whom to tell how far the work is: who was given, or who is `told` what is done here."""
+    return progress if progress is not None else _told.get()
 
 
 def aside() -> AbstractContextManager[None]:

@@ -19,6 +19,7 @@ from vividc.errors import (
     printable,
     quoted,
 )
+from vividc.host.watch import to_tell
 from vividc.mapper.check.case import Violation
 from vividc.mapper.check.certificate import check_certificate
 from vividc.mapper.check.verify import violations
@@ -92,7 +93,8 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     problem = MapProblem(dfg, fabric, allowed, resident)
     try:
         with limited(time_limit_s) as deadline:
-            request = MapRequest(ii, deadline, workers, progress, effort, extend)
+            tell = to_tell(progress)
+            request = MapRequest(ii, deadline, workers, tell, effort, extend)
             began, spent = time.monotonic(), deadline.meter.spent_s
             result = _mapped(problem, run, request, objective)
             if mapper not in BUILT_IN:  # what a guest does is known by the clock only

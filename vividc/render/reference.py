@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from vividc.errors import demand_callable, demand_type
+from vividc.host.watch import to_tell
 from vividc.render.arrays import Float32Array
 from vividc.render.camera import Camera
 from vividc.render.errors import SceneError
@@ -81,6 +82,7 @@ def render_reference(
     demand_type(camera, Camera, "the camera", "give a Camera, as orbit_camera makes one")
     demand_type(options, ReferenceOptions, "the options", "give ReferenceOptions(...)")
     demand_callable(progress, "progress")
+    progress = to_tell(progress)
     start = time.perf_counter()
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):  # told of at the end
         if isinstance(scene, Gaussians):

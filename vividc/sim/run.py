@@ -10,6 +10,7 @@ import numpy as np
 
 from vividc.errors import ArgumentError, demand_callable, demand_type, quoted
 from vividc.host.html import table
+from vividc.host.watch import to_tell
 from vividc.program import Program
 from vividc.sim.bind import Array, bind, returned
 from vividc.sim.engine import Launch, Observer, Progress
@@ -126,7 +127,9 @@ def simulate(
     check_run(cycle_limit, progress, observer)
     tile = Tile(program, engine)
     bound = bind(program, args, kwargs)
-    launch = Launch(bound.memory, bound.inputs, cycle_limit, bound.extents, progress, observer)
+    launch = Launch(
+        bound.memory, bound.inputs, cycle_limit, bound.extents, to_tell(progress), observer
+    )
     run = tile.run(launch)
     bound.copy_back(run.memory, program.stored_arrays)
     value = returned_value(program, bound.arrays, bound.inputs)

@@ -17,12 +17,13 @@ from vividc.cli.loops import loop_options
 from vividc.cli.reports.binds import what_binds
 from vividc.cli.reports.loop import print_advice, print_loops, print_product
 from vividc.cli.reports.program import print_regions
-from vividc.cli.reports.report import print_json, progress
+from vividc.cli.reports.report import print_json
 from vividc.cli.stages import Look, look_options
 from vividc.dfg import to_dot, to_json
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.gemm.modes import MODES
 from vividc.host.files import write_whole
+from vividc.host.progress import progress
 from vividc.machine.params import sizes_text
 from vividc.program import Program
 

@@ -14,12 +14,13 @@ from vividc import arch, dfg
 from vividc.arch import Fabric
 from vividc.cli import options
 from vividc.cli.files import check_apart, check_output
-from vividc.cli.reports.report import percent, plain, print_json, print_table, progress
+from vividc.cli.reports.report import percent, plain, print_json, print_table
 from vividc.cli.say import say
 from vividc.dfg import DFG
 from vividc.errors import MappingFailed, TimeLimit, printable
 from vividc.host.files import write_whole
 from vividc.host.plot import check_picture_path, encode
+from vividc.host.progress import progress
 from vividc.mapper import (
     OBJECTIVES,
     EffortLevel,

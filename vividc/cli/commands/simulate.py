@@ -23,9 +23,10 @@ from vividc.cli.reference import (
 )
 from vividc.cli.reports.cycle_progress import cycle_progress
 from vividc.cli.reports.job import print_job
-from vividc.cli.reports.report import percent, print_json, print_table, progress
+from vividc.cli.reports.report import percent, print_json, print_table
 from vividc.cli.reports.views import Views, view_options
 from vividc.gemm.kernels.choice import accelerator_of
+from vividc.host.progress import progress
 from vividc.launch import JobResult
 from vividc.machine.params import given
 from vividc.program import CUT_SHORT, Program

@@ -13,8 +13,9 @@ from vividc.cli import options
 from vividc.cli.arrays import read_arguments
 from vividc.cli.files import check_apart, check_output
 from vividc.cli.reference import scalars_unpacked
-from vividc.cli.reports.report import print_json, progress
+from vividc.cli.reports.report import print_json
 from vividc.host.files import write_whole
+from vividc.host.progress import progress
 from vividc.machine.params import given
 from vividc.page.runs import WINDOW
 from vividc.page.write import page

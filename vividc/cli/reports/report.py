@@ -5,9 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
-import time
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from typing import Final
@@ -22,7 +20,6 @@ from vividc.errors import printable
 
 Plain = None | bool | int | float | str | list["Plain"] | dict[str, "Plain"]
 _FILE_WIDTH: Final = 120
-_LOG_S: Final = 15.0
 
 
 def print_json(schema: str, body: Mapping[str, object]) -> None:
@@ -62,33 +59,6 @@ def print_table(
     for row in rows:
         table.add_row(*(Text("-" if cell is None else printable(str(cell))) for cell in row))
     _console().print(table)
-
-
-@contextmanager
-def progress(start: str) -> Iterator[Callable[..., None] | None]:
-    """A callback that shows the state of the work on stderr: on a terminal in place, elsewhere by a
-    line at intervals of `_LOG_S` seconds.
-    """
-    if not sys.stderr.isatty():
-        yield _logged(start)
-        return
-    console = Console(stderr=True)
-    with console.status(Text(printable(start))) as status:
-        yield lambda *state: status.update(Text(printable(" ".join(map(str, state)))))
-
-
-def _logged(start: str) -> Callable[..., None]:
-    began = said = time.monotonic()
-
-    def log(*state: object) -> None:
-        nonlocal said
-        now = time.monotonic()
-        if now - said >= _LOG_S:
-            said = now
-            text = printable(" ".join(map(str, state)))
-            click.echo(f"{printable(start)}, {now - began:.0f} s: {text}", err=True)
-
-    return log
 
 
 def percent(fraction: float) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from vividc.errors import demand_callable, demand_type
+from vividc.host.watch import to_tell
 from vividc.render.array.device.device import open_device
 from vividc.render.array.device.frame import ArrayFrame, Ledger
 from vividc.render.array.march.batches import render_blocks
@@ -65,6 +66,7 @@ def render_array(
     options = ArrayOptions() if options is None else options
     demand_type(options, ArrayOptions, "the options", "give ArrayOptions(...)")
     demand_callable(progress, "progress")
+    progress = to_tell(progress)
     demand_callable(tell, "tell")
     demand_type(options.sample, (int, float), "the share of blocks", "give a number")
     if not 0 < options.sample <= 1:
