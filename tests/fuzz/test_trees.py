@@ -23,10 +23,17 @@ def test_random_nests_in_other_orders() -> None:
     assert search.counts["trees"] > 15
 
 
-def test_guards_follow_the_loops_that_move() -> None:
-    """A guard on a loop that goes by another name elsewhere named no loop there."""
+@pytest.mark.parametrize(
+    "seed",
+    [
+        pytest.param(562, id="guards follow the loops that move"),
+        pytest.param(20039, id="a loop without statements has no rows"),
+        pytest.param(20058, id="a loop without statements is not skewed"),
+    ],
+)
+def test_what_was_found(seed: int) -> None:
     search = Search(sizes=3)
-    search.run(562)
+    search.run(seed)
     assert not search.finds
     assert search.counts["trees"] > 1
 

@@ -11,7 +11,7 @@ from tests.ssa.support import function
 from vividc.machine.words import signed
 from vividc.ssa.interpret import interpret
 from vividc.ssa.ir import Block, Branch, Function, Input, Value
-from vividc.ssa.polyhedral.values import Expression, Expressions
+from vividc.ssa.polyhedral.values import Expression, Expressions, integer
 
 LEAST, MOST = -(1 << 31), (1 << 31) - 1
 NUMBERS = (LEAST, LEAST + 1, -7, -1, 0, 1, 2, 5, MOST - 1, MOST)
@@ -95,3 +95,16 @@ def test_what_is_not_affine_stands_for_itself(name: str) -> None:
     value = _returned(given)
     values = Expressions(given)
     assert values.of(value) == values.symbol(value)
+
+
+def test_a_number_needs_operations_to_be_written() -> None:
+    number = isl.Val(1 << 40)
+    assert integer(number) == 1 << 40
+    context = isl.DEFAULT_CONTEXT
+    context.reset_operations()
+    context.set_max_operations(1)
+    try:
+        with pytest.raises(isl.Error, match="no operations are left"):
+            [integer(number) for _ in range(3)]
+    finally:
+        context.set_max_operations(0)

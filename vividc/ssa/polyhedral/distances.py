@@ -27,7 +27,7 @@ from vividc.ssa.edit import block_of
 from vividc.ssa.flow import Loop, flow_of
 from vividc.ssa.ir import Const, Function, Input, Instr, Value, definition_of
 from vividc.ssa.polyhedral.subscripts import Subscripts, subscripts_of
-from vividc.ssa.polyhedral.values import Expression, Expressions
+from vividc.ssa.polyhedral.values import Expression, Expressions, integer
 
 _MOST_SEARCHES: Final = 150
 """Pairs of accesses of one loop, or of all straight code, that isl is asked about."""
@@ -249,10 +249,10 @@ class Meetings:
 
     def _contrary(self, constraint: isl.Constraint, sign: int) -> NotMore | None:
         """What holds where a constraint does not, of one value and a number, or of two values."""
-        number = -sign * int(constraint.get_constant_val().to_python()) - 1
+        number = -sign * integer(constraint.get_constant_val()) - 1
         terms: list[tuple[int, Value]] = []
         for key, position in self._values.parameters(constraint.get_space()):
-            factor = constraint.get_coefficient_val(isl.dim_type.param, position).to_python()
+            factor = integer(constraint.get_coefficient_val(isl.dim_type.param, position))
             if factor and isinstance(key, tuple):
                 return None
             if factor and not isinstance(key, tuple):
@@ -479,7 +479,7 @@ def _least(distances: isl.Set) -> int | None:
     while not distances.is_empty():
         least = distances.dim_min_val(0)  # may be too small
         if not distances.fix_val(isl.dim_type.set, 0, least).is_empty():
-            return int(least.to_python())
+            return integer(least)
         distances = distances.lower_bound_val(isl.dim_type.set, 0, least.add(isl.Val(1)))
     return None
 

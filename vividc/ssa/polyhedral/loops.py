@@ -14,6 +14,7 @@ from vividc.ssa.polyhedral.forms import ZERO, Form, symbol
 from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.schedule import grouped_schedule_of
 from vividc.ssa.polyhedral.trees import Loop
+from vividc.ssa.polyhedral.values import integer
 from vividc.ssa.rewrite.refusal import Refusal
 
 _COMPARISONS: Final = {"eq": "==", "le": "<=", "lt": "<", "ge": ">=", "gt": ">"}
@@ -269,7 +270,7 @@ class _Reader:
         """An integer."""
         kind = _name(expression.get_type())
         if kind == "int":
-            return Form((), expression.get_val().to_python())
+            return Form((), integer(expression.get_val()))
         if kind == "id":
             name = expression.get_id().get_name()
             return names.get(name, symbol(name))

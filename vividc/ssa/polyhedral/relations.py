@@ -14,6 +14,7 @@ from vividc.ssa.ir import is_dimension
 from vividc.ssa.polyhedral.forms import Form, form, symbol
 from vividc.ssa.polyhedral.scop import Nest, Scop, Statement
 from vividc.ssa.polyhedral.subscripts import Access
+from vividc.ssa.polyhedral.values import integer
 
 LARGE = 1 << 28
 """No other symbol is larger in a loop that ends; smaller ones count as its negative: bounds of
@@ -227,12 +228,12 @@ def _form(bound: isl.PwAff) -> Form | None:
     if len(pieces) != 1:
         return None
     [(_, one)] = pieces
-    if one.dim(isl.dim_type.div) or one.get_denominator_val().to_python() != 1:
+    if one.dim(isl.dim_type.div) or integer(one.get_denominator_val()) != 1:
         return None
     kind = isl.dim_type.param
     names = [str(one.get_dim_name(kind, place)) for place in range(one.dim(kind))]
-    factors = (one.get_coefficient_val(kind, place).to_python() for place in range(len(names)))
-    constant = one.get_constant_val().to_python()
+    factors = (integer(one.get_coefficient_val(kind, place)) for place in range(len(names)))
+    constant = integer(one.get_constant_val())
     return form(dict(zip(names, factors, strict=True)), constant)
 
 

@@ -54,8 +54,10 @@ def with_own_rows(loop: Loop, relations: Relations) -> Loop | None:
 def _limit(loop: Loop, scop: Scop) -> Form | None:
     """Where a loop ends, if that is the same for all statements and each time."""
     limits = {scop.dimension(name, over).bounds[1] for name, over in loop.over.items()}
+    if len(limits) != 1:
+        return None  # of a loop without statements, too
     limit = limits.pop()
-    return None if limits or not limit.names <= scop.symbols.keys() else limit
+    return limit if limit.names <= scop.symbols.keys() else None
 
 
 def _is_temporary(array: str, loop: Loop, relations: Relations) -> bool:

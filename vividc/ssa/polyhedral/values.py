@@ -33,6 +33,20 @@ _MOST_PIECES: Final = 8
 _LONGEST: Final = MAX_DIMENSION * 4
 
 
+def integer(value: isl.Val) -> int:
+    """A whole number of isl's.
+
+    Raises
+    ------
+    isl.Error
+        No operations are left, of which writing it takes some: islpy gives None then.
+    """
+    text = value.to_str()
+    if text is None:
+        raise isl.Error("a number was not written: no operations are left")
+    return int(text)
+
+
 @dataclass(frozen=True, slots=True)
 class Expression:
     """An integer for each iteration of a nest, and bounds of it."""

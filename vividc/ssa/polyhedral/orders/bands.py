@@ -23,6 +23,7 @@ from vividc.ssa.polyhedral.forms import Form
 from vividc.ssa.polyhedral.orders.families import Family, Member
 from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.trees import Loop, Tree
+from vividc.ssa.polyhedral.values import integer
 
 _MOST_STEPS = 300
 """Coordinates of families that are tried for one loop."""
@@ -83,8 +84,8 @@ class _Need:
             gaps = self.pairs.apply_domain(self._to(self.one, names[0]))
             gaps = gaps.apply_range(self._to(self.other, names[1]))
             least = gaps.deltas().dim_min_val(0)
-            is_near = least.is_int() and least.to_python() >= -_FARTHEST
-            self.known[names] = least.to_python() if is_near else None
+            is_near = least.is_int() and integer(least) >= -_FARTHEST
+            self.known[names] = integer(least) if is_near else None
         return self.known[names]
 
     def _to(self, member: Member, name: str) -> isl.Map:

@@ -15,6 +15,7 @@ from vividc.ssa.polyhedral.orders.in_memory import in_memory
 from vividc.ssa.polyhedral.orders.search import is_legal
 from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.scop import Dimension, Nest, Scop, Statement
+from vividc.ssa.polyhedral.values import integer
 
 _Counted = tuple[str, str, int]
 """A loop's counter, the coordinate that it counts, and what is added to that."""
@@ -161,17 +162,17 @@ def _limits(part: isl.BasicSet, place: int, names: Sequence[str]) -> tuple[Form,
         return None
     symbols = [str(name) for name in part.get_var_names(isl.dim_type.param)]
     for constraint in part.get_constraints():
-        factor = constraint.get_coefficient_val(isl.dim_type.set, place).to_python()
+        factor = integer(constraint.get_coefficient_val(isl.dim_type.set, place))
         if not factor:
             continue
         if abs(factor) != 1:
             return None
         terms = {
-            name: constraint.get_coefficient_val(kind, position).to_python()
+            name: integer(constraint.get_coefficient_val(kind, position))
             for kind, every in ((isl.dim_type.set, names[:place]), (isl.dim_type.param, symbols))
             for position, name in enumerate(every)
         }
-        rest = form(terms, constraint.get_constant_val().to_python())
+        rest = form(terms, integer(constraint.get_constant_val()))
         both = constraint.is_equality()
         if factor > 0 or both:
             firsts.append(rest.times(-factor))

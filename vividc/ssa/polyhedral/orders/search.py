@@ -60,8 +60,8 @@ def together(tree: Loop, relations: Relations) -> Iterator[Loop]:
 
 def _interchanged(loop: Loop) -> Iterator[Loop]:
     """A loop and the only one in it, the other way round."""
-    if len(loop.children) == 1 and isinstance(loop.children[0], Loop):
-        inner = loop.children[0]
+    inner = _only_loop(loop)
+    if inner is not None:
         yield replace(inner, children=(replace(loop, children=inner.children),))
 
 
@@ -178,8 +178,8 @@ def _skewed_twice(loop: Loop) -> Iterator[Loop]:
 
 def _only_loop(loop: Loop) -> Loop | None:
     """What a loop has in it, if that is a loop."""
-    child = loop.children[0]
-    return child if len(loop.children) == 1 and isinstance(child, Loop) else None
+    child = loop.children[0] if len(loop.children) == 1 else None
+    return child if isinstance(child, Loop) else None
 
 
 def fronts(tree: Loop, scop: Scop) -> Iterator[Loop]:
@@ -187,9 +187,9 @@ def fronts(tree: Loop, scop: Scop) -> Iterator[Loop]:
     first; loops inside start so that all iterations on a diagonal run them equally if they may.
     """
     for path, loop in loops_in(tree):
-        if len(loop.children) != 1 or not isinstance(loop.children[0], Loop):
+        inner = _only_loop(loop)
+        if inner is None:
             continue
-        inner = loop.children[0]
         for factor in _SKEWS:
             skew = {n: symbol(loop.over[n]).times(factor) for n in inner.over}
             first = replace(inner, children=(), skew=skew)
