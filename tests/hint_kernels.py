@@ -143,8 +143,8 @@ def chosen(x, y, n):
 
 
 def complexes(x, y, n):
-    t = np.zeros(4, np.complex64)
-    y[0] = t[0].real
+    t = np.zeros(4, "U3")
+    y[0] = len(t[n])
 
 
 def floats(x, y, n):

@@ -78,7 +78,7 @@ def test_it_runs_on_an_accelerator() -> None:
         ((2.0,), "saxpy: missing a required argument: 'x'"),
         ((2.0, np.ones(3), np.ones(3)), "float64"),
         ((2.0, np.ones((3, 3), np.float32)[:, 0], np.ones(3, np.float32)), "C order"),
-        ((1j, *fresh()), "complex128"),
+        ((np.complex128(1j), *fresh()), "complex128"),
     ],
 )
 def test_arguments_that_no_kernel_takes(

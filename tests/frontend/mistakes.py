@@ -200,12 +200,6 @@ def huge_element(x, n):
     x[0] = np.float32(a[0])
 
 
-@mistake("a local array of complex64", "np.float32")
-def complex_array(x, n):
-    a = np.zeros(4, np.complex64)  # here
-    x[0] = a[n].real
-
-
 @mistake("kept for the next iteration", "before the loop")
 def array_kept(x, n):
     previous = np.zeros(4, np.float32)

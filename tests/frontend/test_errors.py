@@ -82,14 +82,6 @@ def test_the_error_names_the_line(
     assert caught.value.loc.line == function.__code__.co_firstlineno + offset
 
 
-def test_a_complex_result_is_refused() -> None:
-    def half(x):
-        return x * 0.5j
-
-    with pytest.raises(KernelError, match="returns complex"):
-        KernelFunction(half, "complex128(float32)", None).lower()
-
-
 def test_strict_fp_refuses_float64_arithmetic() -> None:
     def scale(x, n):
         for i in range(n):

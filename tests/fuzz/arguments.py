@@ -66,6 +66,9 @@ def arguments(kernel: KernelFunction, shapes: Shapes, seed: int, trial: int) -> 
 def _draw(rng: np.random.Generator, dtype: DType, size: tuple[int, ...], limit: int) -> np.ndarray:
     if dtype is DType.F32:
         return rng.integers(-64, 64, size).astype(np.float32) / np.float32(8)
+    if dtype is DType.C64:
+        real, imag = (_draw(rng, DType.F32, size, limit) for _ in range(2))
+        return real + np.complex64(1j) * imag
     if dtype is DType.BOOL:
         return rng.random(size) < 0.5
     info = np.iinfo(dtype.value)
@@ -106,6 +109,8 @@ def _near(first: np.ndarray, second: np.ndarray) -> bool:
 
 
 def _same(first: np.ndarray, second: np.ndarray) -> bool:
+    if first.dtype.kind == second.dtype.kind == "c":
+        return _same(first.real, second.real) and _same(first.imag, second.imag)
     is_float = second.dtype.kind == "f"
     if not np.array_equal(first, second, equal_nan=is_float):
         return False

@@ -123,7 +123,7 @@ def _python_numbers(args: Args, stored: frozenset[int], random: Random) -> Args:
 
 
 def _wider_numbers(args: Args, stored: frozenset[int], random: Random) -> Args:
-    wider = {"i": np.int64, "u": np.uint64, "f": np.float64, "b": np.bool_}
+    wider = {"i": np.int64, "u": np.uint64, "f": np.float64, "c": np.complex128, "b": np.bool_}
     return [wider[a.dtype.kind](a) if isinstance(a, np.generic) else a for a in args]
 
 
@@ -188,7 +188,7 @@ def _other_bytes(a: np.ndarray) -> np.ndarray | None:
 
 
 def _other_type(a: np.ndarray) -> np.ndarray:
-    return a.astype(np.float64)
+    return a.astype(np.complex128 if a.dtype.kind == "c" else np.float64)
 
 
 def _more_axes(a: np.ndarray) -> np.ndarray:

@@ -106,6 +106,8 @@ def _wrong_scalars(arrays: Mapping[str, Array], params: Sequence[Param]) -> list
 
 def _scalar_fits(array: Array, dtype: DType) -> bool:
     """A scalar may be of another type than its parameter as long as its value is representable."""
+    if dtype is DType.C64:
+        return array.dtype.kind in "biufc"
     if array.dtype.kind not in "biuf":
         return False
     if dtype is DType.F32:

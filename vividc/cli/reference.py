@@ -121,10 +121,11 @@ def _shape(array: Array | None) -> str:
 
 
 def _mismatch(name: str, found: Array, expected: Array, tolerance: Tolerance) -> Mismatch | None:
-    if found.dtype.kind == "f":
+    if found.dtype.kind in "fc":
+        wide = np.float64 if found.dtype.kind == "f" else np.complex128
         close = np.isclose(
-            found.astype(np.float64),
-            expected.astype(np.float64),
+            found.astype(wide),
+            expected.astype(wide),
             rtol=tolerance.rtol,
             atol=tolerance.atol,
             equal_nan=True,

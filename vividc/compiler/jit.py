@@ -25,6 +25,7 @@ from vividc.program import Program
 from vividc.sim.run import Result
 
 _NARROWER = {types.float64: "float32", types.int64: "int32", types.uint64: "uint32"}
+_NARROWER |= {types.complex128: "complex64"}
 
 
 class JitFunction:
@@ -130,9 +131,11 @@ class JitFunction:
         return tuple(map(self._type_of, (*names, *rest), given))
 
     def _type_of(self, name: str, value: object) -> Any:
-        """Numba's type of an argument; of a Python float, which has no width, float32."""
-        if isinstance(value, float) and not isinstance(value, np.generic):
-            return types.float32
+        """Numba's type of an argument; of a Python float or complex number, which has no width,
+        float32 or complex64.
+        """
+        if isinstance(value, float | complex) and not isinstance(value, np.generic):
+            return types.float32 if isinstance(value, float) else types.complex64
         try:
             found = numba.typeof(value)
         except (ValueError, TypeError):

@@ -8,6 +8,7 @@ from dataclasses import replace
 from vividc.errors import KernelError, TimeLimit, warn
 from vividc.host import time_limit
 from vividc.machine.parallel import Parallel
+from vividc.machine.params import DType
 from vividc.program import CUT_SHORT, Program
 from vividc.ssa.ir import Function
 from vividc.ssa.parallel.cut import cut_nest
@@ -31,6 +32,8 @@ def with_nests(
         The loop over `prange` that a launch spreads anyway: nests are of use only if they also cut
         the loops inside.
     """
+    if any(param.dtype is DType.C64 for param in function.params):
+        return program  # boxes of elements are moved word by word
     try:
         found = nests_of(function)
         cut = [cut_nest(nest.function, nest.header, found.order.keys) for nest in found.nests]

@@ -40,11 +40,12 @@ _DTYPES = {
     types.uint8: DType.U8,
     types.boolean: DType.BOOL,
 }
+_DTYPES |= {types.complex64: DType.C64}
 _ELEMENTS = _DTYPES | {TYPES[F16]: DType.F16}
 _SCALARS = _DTYPES | {types.int64: DType.I64, types.uint64: DType.U64}
 _SUPPORTED = (
-    "scalars and arrays are float32, int32, uint32, int16, uint16, int8, uint8 or bool, scalars "
-    "also int64 and uint64, arrays also float16; arrays in C order, as in float32[::1] or "
+    "scalars and arrays are float32, int32, uint32, int16, uint16, int8, uint8, bool or complex64, "
+    "scalars also int64 and uint64, arrays also float16; arrays in C order, as in float32[::1] or "
     "uint8[:, ::1]"
 )
 
@@ -317,7 +318,8 @@ def default_types(py_func: Callable[..., Any], given: int) -> tuple[Any, ...]:
 
 def _param(name: str, type_: Any, loc: SourceLoc) -> Param:
     if type_ in _SCALARS:
-        return Param(name, _SCALARS[type_])
+        dtype = _SCALARS[type_]
+        return Param(name, dtype, words=1 + (dtype is DType.C64))
     if not isinstance(type_, types.Array) or type_.dtype not in _ELEMENTS:
         reason = f"parameter {name} has type {plain(str(type_))}, which the array cannot hold"
         raise KernelError(reason, loc=loc, hint=_SUPPORTED)

@@ -88,8 +88,8 @@ def _shape(param: Param, value: Any, where: str) -> tuple[int, ...]:
 def _value(param: Param, value: Any, where: str) -> tuple[int, ...]:
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
-    if param.dtype in (DType.F32, DType.BOOL):
-        if isinstance(value, int | float | np.generic):
+    if param.dtype.is_float or param.dtype is DType.BOOL:
+        if isinstance(value, int | float | complex | np.generic):
             return ()
         raise ArgumentError(f"expected {param.dtype.value}, got {quoted(value)}", loc=where)
     if not _is_whole(value):

@@ -44,7 +44,7 @@ _NUMBA_FAULTS: tuple[type[Exception], ...] = (
     RecursionError,
     AttributeError,
 )
-_RETURNS = {dtype.value: dtype for dtype in DType} | {"none": None}
+_RETURNS = {dtype.value: dtype for dtype in DType if dtype is not DType.C64} | {"none": None}
 
 
 _DEMOTED = (
@@ -113,7 +113,7 @@ def _no_result(kind: str, name: str, loc: SourceLoc) -> KernelError:
     """The error of what no kernel returns, by numba's name of its type."""
     if "generator(" in kind:
         return construct_at(loc, name) or KernelError("a generator", loc=loc)
-    hint = "return float32, bool, integers, arrays or tuples of them, or store into an array"
+    hint = "return numbers, arrays of float32, complex64, bool or integers, or tuples of them"
     kind = plain(kind)
     what = "a string" if kind.startswith("'") else kind
     return KernelError(f"the kernel returns {what}", loc=returned_at(loc, name), hint=hint)

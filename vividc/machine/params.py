@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from vividc.errors import SourceLoc
-from vividc.machine.words import SIGN_BIT, WORD_BITS, WORD_MASK
+from vividc.machine.words import SIGN_BIT, WORD_BITS, WORD_BYTES, WORD_MASK
 
 MAX_DIMENSION = 1 << 14
 """No dimension of words may be larger: ranges of indices are proved with `Param.limit`, a launch
@@ -49,11 +49,17 @@ class DType(Enum):
     I64 = "int64"
     U64 = "uint64"
     BOOL = "bool"
+    C64 = "complex64"
 
     @property
     def size_bytes(self) -> int:
         """Bytes of an element in the scratchpad, where int64 is narrowed to a word."""
         return _SIZE_BYTES.get(self, 4)
+
+    @property
+    def is_float(self) -> bool:
+        """Whether its words are floats: a complex64 has two, its real part first."""
+        return self in (DType.F32, DType.C64)
 
     @property
     def is_signed(self) -> bool:
@@ -62,6 +68,7 @@ class DType(Enum):
 
 
 _SIZE_BYTES = {DType.I8: 1, DType.U8: 1, DType.BOOL: 1, DType.I16: 2, DType.U16: 2, DType.F16: 2}
+_SIZE_BYTES |= {DType.C64: 8}
 
 
 def sizes_text(sizes: Mapping[str, tuple[int, ...] | int]) -> str:
@@ -87,8 +94,9 @@ class Param:
 
     `flat`: an array of any number of dimensions, whose elements the kernel counts in C order (as C
     does, which knows no shapes).
-    `words` 2: a scalar of 64 bits, of which the host supplies both words; else its value must fit
-    one (the launch checks it). `longest`: the most elements along the first dimension; 0: as many
+    `words` 2: a scalar of 64 bits, of which the host supplies both words (of a complex64 the real
+    part and, as the high word, the imaginary one); else its value must fit one (the launch checks
+    it). `longest`: the most elements along the first dimension; 0: as many
     as along the others.
     `known`: the only shape that the array may have, or the only value of the scalar (the launch
     checks it); (): any.
@@ -112,7 +120,7 @@ class Param:
         """The most elements along a dimension: of bytes in one dimension as many as of words fill
         the same memory.
         """
-        return MAX_DIMENSION * (4 // self.dtype.size_bytes if self.ndim == 1 else 1)
+        return MAX_DIMENSION * max(4 // self.dtype.size_bytes if self.ndim == 1 else 1, 1)
 
     @property
     def type_text(self) -> str:
@@ -139,7 +147,7 @@ class Param:
 
     def words_of(self, value: int) -> dict[str, int]:
         """The launch words of a scalar's value, by key."""
-        low = value & (1 << 8 * self.dtype.size_bytes) - 1
+        low = value & (1 << 8 * min(self.dtype.size_bytes, WORD_BYTES)) - 1
         if self.words == 1:
             return {self.name: low}
         return {self.name: low, self.name + HIGH_SUFFIX: value >> WORD_BITS & WORD_MASK}

@@ -183,7 +183,7 @@ def _may_be_known(param: Param) -> bool:
     if not param.known:
         return True
     if not param.ndim:
-        return len(param.known) == 1 and param.dtype not in (DType.F32, DType.BOOL)
+        return len(param.known) == 1 and not (param.dtype.is_float or param.dtype is DType.BOOL)
     return len(param.known) == param.ndim and not param.flat and min(param.known) >= 0
 
 

@@ -387,7 +387,12 @@ def _rows(
 
 def _size_bytes(array: Array) -> int:
     """Bytes of the array in the scratchpad."""
-    return array.size * min(array.dtype.itemsize, WORD_BYTES)
+    return array.size * (min(_part_bytes(array), WORD_BYTES) << (array.dtype.kind == "c"))
+
+
+def _part_bytes(array: Array) -> int:
+    """Bytes of an element in numpy, or of a part of a complex one."""
+    return array.dtype.itemsize >> (array.dtype.kind == "c")
 
 
 def _bytes(name: str, array: Array) -> NDArray[np.uint8]:
@@ -398,7 +403,7 @@ def _bytes(name: str, array: Array) -> NDArray[np.uint8]:
     if flat.dtype == np.bool_:
         flags: NDArray[np.bool_] = flat.view(np.uint8) != 0
         return flags.view(np.uint8)
-    if flat.dtype.itemsize <= WORD_BYTES:
+    if _part_bytes(flat) <= WORD_BYTES:
         return flat.view(np.uint8)
     if flat.size:
         low, high = _INT_RANGE[DType.I32]
@@ -410,7 +415,7 @@ def _bytes(name: str, array: Array) -> NDArray[np.uint8]:
 
 
 def _elements(raw: NDArray[np.uint8], array: Array) -> Array:
-    if array.dtype.itemsize <= WORD_BYTES:
+    if _part_bytes(array) <= WORD_BYTES:
         return raw.view(array.dtype).reshape(array.shape)
     return raw.view(np.int32).astype(array.dtype).reshape(array.shape)
 
@@ -419,11 +424,15 @@ def _scalar(param: Param, value: object) -> int:
     where = f"argument {param.name}"
     if isinstance(value, np.generic):
         value = value.item()
-    if param.dtype is DType.F32:
+    if param.dtype.is_float:
         if isinstance(value, np.ndarray):
-            reason = f"expected float32, got {_told(value)}"
+            reason = f"expected {param.dtype.value}, got {_told(value)}"
             raise ArgumentError(reason, loc=where, hint=_number_in(param, value))
-        return _float_word(value, where)
+        if param.dtype is DType.F32:
+            return _float_word(value, where)
+        parts = (value.real, value.imag) if isinstance(value, complex) else (value, 0.0)
+        low, high = (_float_word(part, where, param.dtype) for part in parts)
+        return low | high << WORD_BITS
     if not isinstance(value, int):
         raise ArgumentError(
             f"expected {param.dtype.value}, got {type(value).__name__}",
@@ -454,9 +463,9 @@ def _number_in(param: Param, value: object) -> str | None:
     return "a scalar takes one number: are the arguments in the order of the parameters?"
 
 
-def _float_word(value: object, where: str) -> int:
+def _float_word(value: object, where: str, dtype: DType = DType.F32) -> int:
     if not isinstance(value, int | float):
-        raise ArgumentError(f"expected float32, got {type(value).__name__}", loc=where)
+        raise ArgumentError(f"expected {dtype.value}, got {type(value).__name__}", loc=where)
     try:
         number = float(value)
     except OverflowError:

@@ -14,7 +14,7 @@ import numpy as np
 
 from vividc.errors import SSAError
 from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
-from vividc.machine.params import WIDE_DTYPES, DType, Param, given
+from vividc.machine.params import HIGH_SUFFIX, WIDE_DTYPES, DType, Param, given
 from vividc.machine.semantics import evaluate
 from vividc.machine.words import WORD_MASK, float_of, word_of
 from vividc.ssa.ir import (
@@ -157,7 +157,8 @@ class _Machine(ABC, Generic[_V]):
         if address % instr.width or address + instr.width > cells.size:
             raise SSAError(f"{instr.mnemonic} {instr.id} leaves {instr.array}: byte {address}")
         if instr.subscript:
-            there = np.unravel_index(address // instr.width, self._shapes[instr.array])
+            element = self._arrays[instr.array].itemsize
+            there = np.unravel_index(address // element, self._shapes[instr.array])
             said = zip(instr.subscript, there, strict=True)
             if not all(constant in (None, axis) for constant, axis in said):
                 raise SSAError(f"{instr.mnemonic} {instr.id} is at {there}: {instr.subscript}")
@@ -171,8 +172,9 @@ class _Words(_Machine[int]):
         return value
 
     def bind(self, param: Param, value: object) -> None:
-        if param.dtype is DType.F32:
-            self.values[param.name] = word_of(float(np.float32(value)))  # type: ignore[arg-type]
+        if param.dtype.is_float:
+            parts = _parts(param, value)
+            self.values |= {name: word_of(float(part)) for name, part in parts.items()}
             return
         whole = int(value)  # type: ignore[call-overload]
         self.values[param.name] = whole & (1 << 8 * min(param.dtype.size_bytes, 4)) - 1
@@ -213,7 +215,7 @@ class _LLVM(_Machine[Number]):
     def bind(self, param: Param, value: object) -> None:
         kind = dict(self.function.inputs)[param.name]
         if kind in _FLOATS:
-            self.values[param.name] = np.float32(value)  # type: ignore[arg-type]
+            self.values.update(_parts(param, value))
         else:
             self.values[param.name] = wrapped(int(value), kind)  # type: ignore[call-overload]
 
@@ -244,6 +246,13 @@ class _LLVM(_Machine[Number]):
         if returns is DType.F32:
             return np.float32(number)
         return _integer(int(number), int(self.function.result[1:]), returns)
+
+
+def _parts(param: Param, value: object) -> dict[str, np.float32]:
+    """A float, or both parts of a complex number, by input."""
+    whole = np.complex64(value)  # type: ignore[call-overload]
+    parts = {param.name: whole.real}
+    return parts if param.words == 1 else parts | {param.name + HIGH_SUFFIX: whole.imag}
 
 
 def _integer(value: int, bits: int, returns: DType) -> object:

@@ -1,9 +1,10 @@
 """What a kernel returns besides one word: arrays, tuples, and where they lie when it has ended.
 
 An array that a kernel makes and returns is a parameter that the launch makes (`Param.made`), one
-word an element, two of int64 and float64 (a float64 is one float32 and a gap). A returned scalar of
-a tuple is such an array of one element. What of a result only the run decides, such as how long a
-slice is, the kernel writes to an array of words beside them.
+word an element, two of int64 and float64 (a float64 is one float32 and a gap), of a complex number
+those of its parts. A returned scalar of a tuple is such an array of one element, and so is a
+complex number. What of a result only the run decides, such as how long a slice is, the kernel
+writes to an array of words beside them.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ Array = NDArray[Any]
 _OUTSIDE: Final = "the kernel returned an array that lies outside its memory"
 TUPLE, NONE, OPTIONAL = "tuple", "none", "optional"
 DTYPES: Final = frozenset(
-    {"bool", "float16", "float32", "float64"}
+    {"bool", "float16", "float32", "float64", "complex64", "complex128"}
     | {f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)}
 )
 """numpy's names of what may be returned."""
@@ -310,8 +311,8 @@ def _viewed(array: Array, dtype: np.dtype[Any]) -> Array:
 
 def _of_words(words: Array, dtype: np.dtype[Any]) -> Array:
     """The elements whose words the kernel has written."""
-    if dtype == np.float64:
-        return _viewed(words, np.dtype(np.float32))[::2].astype(np.float64)
+    if dtype in (np.float64, np.complex128):  # float32 words, each before a gap
+        return _viewed(_viewed(words, np.dtype(np.float32))[::2].astype(np.float64), dtype)
     if dtype.itemsize >= words.itemsize:
         return _viewed(words, dtype)
     return words != 0 if dtype == np.bool_ else words.astype(dtype)

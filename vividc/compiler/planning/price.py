@@ -12,7 +12,6 @@ from vividc.gemm.kernels.choice import AUTO, assumed_arrays, assumed_words
 from vividc.gemm.kernels.sequence import Launch, Unfit
 from vividc.launch import Job, nests_job, spread
 from vividc.machine.parallel import Order
-from vividc.machine.params import DType
 from vividc.machine.product import ENDLESS, Products
 from vividc.program import Program
 
@@ -46,9 +45,7 @@ def _measured(program: Program, products: Products, machine: Accelerator, is_nes
         if terms > _MOST_TERMS:
             return ENDLESS
         given = {
-            p.name: 1.0 if p.dtype is DType.F32 else words[p.name]
-            for p in program.params
-            if not p.ndim
+            p.name: 1.0 if p.dtype.is_float else words[p.name] for p in program.params if not p.ndim
         }
         launched = {**arrays, **given}
         make = _nest_job if is_nest else spread

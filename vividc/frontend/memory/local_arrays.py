@@ -29,6 +29,7 @@ from vividc.ssa.rewrite.dead import remove_unused
 
 _ELEMENTS = {"float32": "float", "int32": "i32", "uint32": "i32", "bool": "i8"}
 _ELEMENTS |= {"int64": "i64", "uint64": "i64", "float64": "double"}
+_ELEMENTS |= {"complex64": "float", "complex128": "double"}
 _ELEMENTS |= {"int8": "i8", "uint8": "i8", "int16": "i16", "uint16": "i16"}
 _BYTES = {"i1": 1, "i8": 1, "i16": 2, "i32": 4, "float": 4, "i64": 8, "double": 8}
 _SPACED = frozenset({"i64", "double"})
@@ -151,7 +152,7 @@ def _allocated(function: Function, op: Instr, formula: Formula | None, number: i
     element = _copied_element(function, op) if dtype == COPY else _ELEMENTS.get(dtype)
     if element is None:
         raise KernelError(f"a local array of {plain(dtype)}", loc=op.loc, hint=_DTYPE_HINT)
-    words = 2 if element in _SPACED else 1
+    words = (2 if element in _SPACED else 1) * (2 if dtype.startswith("complex") else 1)
     line = "" if op.loc is None else f".line{op.loc.line}"
     name = f"local{number}{line}"
     if isinstance(count, Int):

@@ -29,6 +29,8 @@ _FLOATS: Final = frozenset({"float", "double"})
 _ELEMENTS: Final = {
     "float32": "float",
     "float64": "double",
+    "complex64": "float",
+    "complex128": "double",
     "bool": "i8",
     **{f"{sign}int{bits}": f"i{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)},
 }
@@ -175,26 +177,28 @@ class _Holder:
     def _scalar(self, number: int, dtype: str, sites: Sequence[Instr]) -> Leaf:
         """A scalar as an array of one element."""
         name = self._named(number)
-        is_float = dtype in ("float32", "float64")
-        words = 2 if dtype in ("int64", "uint64", "float64") else 1
+        is_float = _ELEMENTS[dtype] in _FLOATS
+        parts = 2 if dtype.startswith("complex") else 1
+        words = parts * (2 if _ELEMENTS[dtype] in ("i64", "double") else 1)
         kind = DType.F32 if is_float else DType.I32
         self._made[name] = Param(name, kind, 1, flat=True, made=(words,))
         for op in sites:
             stores = self._stores.setdefault(op.id, [])
             if is_float:
-                stores += self._real(op, op.operands[0], name, dtype)
+                for part, value in enumerate(op.operands):
+                    stores += self._real(op, value, name, _ELEMENTS[dtype], part * words // parts)
                 continue
             stores += self._low(op, op.operands[0], name, 0, _ELEMENTS[dtype])
             if words > 1:
                 stores += self._high(op, op.operands[0], name)
         return Leaf(dtype, (name,), is_scalar=True)
 
-    def _real(self, op: Instr, value: Value, name: str, dtype: str) -> Iterator[Instr]:
-        if dtype == "float64" and isinstance(value, Ref):
+    def _real(self, op: Instr, value: Value, name: str, kind: str, slot: int) -> Iterator[Instr]:
+        if kind == "double" and isinstance(value, Ref):
             word = Instr(self._ids(), "fptrunc", "float", (value,), source="double", loc=op.loc)
             yield word
             value = Ref(word.id)
-        yield self._store("float", value, name, 0, op)
+        yield self._store("float", value, name, slot, op)
 
     def _low(
         self, op: Instr, value: Value, name: str, slot: int, kind: str = ""

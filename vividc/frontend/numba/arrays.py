@@ -128,6 +128,7 @@ def _allocate(context: Any, builder: ir.IRBuilder, arrtype: Any, shapes: Any) ->
 
 def _memset(builder: ir.IRBuilder, pointer: Any, size: Any, value: int) -> None:
     """Stores of whole elements in a loop: an array's elements are words, not bytes."""
+    pointer = _of_numbers(builder, pointer)
     element = pointer.type.pointee
     if not isinstance(element, (ir.IntType, ir.FloatType, ir.DoubleType)) or value != 0:
         _cgutils_memset(builder, pointer, size, value)
@@ -171,6 +172,9 @@ def _copy(
     builder: ir.IRBuilder, to: Any, source: Any, count: Any, itemsize: Any, align: int = 1
 ) -> None:
     """Numba's `raw_memcpy`, element by element."""
+    if _is_complex(to.type.pointee):
+        to, source = (_of_numbers(builder, pointer) for pointer in (to, source))
+        count = builder.mul(count, count.type(2))
     if not isinstance(to.type.pointee, (ir.IntType, ir.FloatType, ir.DoubleType)):
         _cgutils_copy(builder, to, source, count, itemsize, align)
         return
@@ -180,6 +184,23 @@ def _copy(
 
 
 _cgutils_copy = cgutils.raw_memcpy
+
+
+def _is_complex(element: Any) -> bool:
+    """Whether elements are numba's complex numbers: a structure of two floats of one type."""
+    parts: tuple[Any, ...] = getattr(element, "elements", ())
+    return len(parts) == 2 and parts[0] == parts[1] and parts[0] in _REALS  # noqa: PLR2004
+
+
+_REALS = (ir.FloatType(), ir.DoubleType())
+
+
+def _of_numbers(builder: ir.IRBuilder, pointer: Any) -> Any:
+    """A pointer to complex numbers as one to their parts; any other as it is."""
+    element = pointer.type.pointee
+    if not _is_complex(element):
+        return pointer
+    return builder.bitcast(pointer, element.elements[0].as_pointer())
 
 
 def reshape(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> Any:
@@ -274,7 +295,10 @@ def constant_array(context: Any, builder: ir.IRBuilder, typ: Any, array: Any) ->
     """
     order: Literal["C", "F"] = "F" if typ.layout == "F" else "C"
     flat = np.asarray(array).flatten(order)
+    itemsize = flat.itemsize
     element = context.get_data_type(typ.dtype)
+    if isinstance(typ.dtype, types.Complex):
+        flat, element = flat.view(flat.real.dtype), element.elements[0]
     if not isinstance(element, ir.IntType | ir.FloatType | ir.DoubleType):
         kinds = {types.Record: "structures", types.UnicodeCharSeq: "strings"}
         kind = kinds.get(type(typ.dtype), typ.dtype)
@@ -290,13 +314,13 @@ def constant_array(context: Any, builder: ir.IRBuilder, typ: Any, array: Any) ->
         data.global_constant = True
         data.initializer = ir.Constant(type_, [element(_plain(item)) for item in flat.tolist()])
     result = arrayobj.make_array(typ)(context, builder)
-    packed = np.empty(array.shape, flat.dtype, order)
+    packed = np.empty(array.shape, array.dtype, order)
     arrayobj.populate_array(
         result,
-        data=builder.bitcast(data, element.as_pointer()),
+        data=builder.bitcast(data, context.get_data_type(typ.dtype).as_pointer()),
         shape=[context.get_constant(types.intp, size) for size in array.shape],
         strides=[context.get_constant(types.intp, stride) for stride in packed.strides],
-        itemsize=context.get_constant(types.intp, flat.itemsize),
+        itemsize=context.get_constant(types.intp, itemsize),
         meminfo=None,
     )
     return result._getvalue()

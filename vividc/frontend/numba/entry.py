@@ -11,10 +11,11 @@ from vividc.frontend.llvm.calls import PITCH
 from vividc.frontend.llvm.passes import DATA_LAYOUT, ENTRY, linked_ir
 from vividc.frontend.numba.returned import parts_of
 from vividc.frontend.numba.target import NumbaModule
-from vividc.machine.params import WIDE_DTYPES, DType, Param
+from vividc.machine.params import HIGH_SUFFIX, WIDE_DTYPES, DType, Param
 
 _SCALAR = {
     DType.F32: "float",
+    DType.C64: "float",  # each part
     DType.F16: "i16",
     DType.I32: "i32",
     DType.U32: "i32",
@@ -116,6 +117,11 @@ def _scalar_argument(
     name = f'%"{param.name}"'
     if param.known:
         name = str(param.known[0])
+    elif param.dtype is DType.C64:  # numba takes its parts as arguments of their own
+        parts = [f"float {name}", f'float %"{param.name}{HIGH_SUFFIX}"']
+        inputs.extend(parts)
+        arguments.extend(parts)
+        return
     elif param.dtype in WIDE_DTYPES and param.words == 1:
         inputs.append(f"i32 {name}")
         extend = "sext" if param.dtype is DType.I64 else "zext"

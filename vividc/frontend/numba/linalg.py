@@ -26,10 +26,10 @@ _SIZES = "incompatible array sizes for a product"
 
 
 def _product(a: Any, b: Any) -> Callable[..., Any] | None:
-    """The product of two arrays of floats; None: not one that numba has."""
+    """The product of two arrays of floats or complex numbers; None: not one that numba has."""
     if not isinstance(a, types.Array) or not isinstance(b, types.Array):
         return None
-    if a.dtype != b.dtype or not isinstance(a.dtype, types.Float):
+    if a.dtype != b.dtype or not isinstance(a.dtype, types.Float | types.Complex):
         return None
     return {(1, 1): _inner, (2, 1): _matrix_vector, (1, 2): _vector_matrix, (2, 2): _matrices}.get(
         (a.ndim, b.ndim)
@@ -95,7 +95,13 @@ def _overload_matmul(a: Any, b: Any) -> Any:
 @_overload(np.vdot)
 def _overload_vdot(a: Any, b: Any) -> Any:
     both = isinstance(a, types.Array) and isinstance(b, types.Array) and a.ndim == b.ndim == 1
+    if both and isinstance(a.dtype, types.Complex):
+        return _conjugate_inner if _product(a, b) is not None else None
     return _product(a, b) if both else None
+
+
+def _conjugate_inner(a: Any, b: Any) -> Any:
+    return np.dot(np.conj(a), b)
 
 
 @_overload(np.dot)

@@ -1,4 +1,5 @@
-"""Functions of `math` on float32 that neither LLVM nor the array has, in operations that both have.
+"""Functions on float32, and `**` of complex numbers, that neither LLVM nor the array has, in
+operations that both have.
 
 They stand in for numba's on our target only. Arguments are float32: of a float64 numba calls a
 library that the array has not, and the call is refused with its line.
@@ -238,6 +239,29 @@ def _atanh(x: Any) -> Any:
     return math.atanh(x)
 
 
+def _complex_power(x: Any, y: Any) -> Any:
+    """A complex number to a complex power, as Python's but for its exceptions: infinite or NaN."""
+    if y.real == 2 and y.imag == 0:  # noqa: PLR2004
+        return x * x
+    if y.real == 0 and y.imag == 0:
+        return x * 0 + 1
+    if x.real == 0 and x.imag == 0:
+        return x if y.imag == 0 and y.real > 0 else x + complex(_NAN, _NAN)
+    size = math.hypot(x.real, x.imag)
+    angle = math.atan2(x.imag, x.real)
+    length = size**y.real
+    phase = angle * y.real
+    if y.imag != 0:
+        length *= math.exp(-(angle * y.imag))
+        phase += y.imag * math.log(size)
+    return complex(length * math.cos(phase), length * math.sin(phase))
+
+
+def complex_power(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    """Of numba's `**` on complex numbers."""
+    return context.compile_internal(builder, _complex_power, sig, args)
+
+
 def _with(function: Callable[..., Any]) -> Callable[..., Any]:
     def loop(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return context.compile_internal(builder, function, sig, args)
@@ -250,6 +274,7 @@ _LOOPS: dict[Any, dict[str, Callable[..., Any]]] = {
     np.arcsinh: {"f->f": _with(_asinh)},
     np.arccosh: {"f->f": _with(_acosh)},
     np.arctanh: {"f->f": _with(_atanh)},
+    np.power: {"FF->F": complex_power, "DD->D": complex_power},
 }
 
 

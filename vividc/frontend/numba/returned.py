@@ -30,6 +30,8 @@ _LLVM: Final = {
         for bits in (8, 16, 32, 64)
     },
 }
+_PARTS: Final = {types.complex64: types.float32, types.complex128: types.float64}
+"""Types of the parts of complex numbers, which numba's structure has in order."""
 _POINTER: Final = re.compile(r"\w+\*+")
 _DATA, _SHAPE, _STRIDES = 4, 5, 6
 """Members of numba's structure of an array."""
@@ -40,7 +42,7 @@ _IS_NONE: Final = -2
 @dataclass(frozen=True, slots=True)
 class _Leaf:
     """A scalar (`ndim` None) or an array, and the members that lead to it; () and `is_status`: the
-    flag that there is a value.
+    flag that there is a value. `llvm`: the type of the scalar, or of its real and imaginary part.
     """
 
     dtype: str
@@ -49,6 +51,11 @@ class _Leaf:
     ndim: int | None = None
     is_status: bool = False
 
+    @property
+    def is_complex(self) -> bool:
+        """Whether it has two parts."""
+        return self.dtype.startswith("complex")
+
     def callee(self, number: int) -> str:
         kind = "" if self.ndim is None else RETURNED_ARRAY
         return f'@"{RETURNED}{number} {self.dtype}{kind}"'
@@ -56,7 +63,7 @@ class _Leaf:
     @property
     def types(self) -> str:
         if self.ndim is None:
-            return self.llvm
+            return ", ".join([self.llvm] * (1 + self.is_complex))
         return ", ".join(["ptr", *["i64"] * (2 * self.ndim)])
 
 
@@ -90,6 +97,11 @@ class ReturnedParts:
                 yield f"{name}.is = icmp ne i32 {status}, {_IS_NONE}"
                 yield f"{name} = zext i1 {name}.is to i8"
                 values = [f"i8 {name}"]
+            elif leaf.ndim is None and leaf.is_complex:
+                values = [f"{leaf.llvm} {name}.0", f"{leaf.llvm} {name}.1"]
+                for part in (0, 1):
+                    path = (*leaf.path, part)
+                    yield from self._load(f"{name}.{part}", leaf.llvm, pointer, path)
             elif leaf.ndim is None:
                 yield from self._load(name, leaf.llvm, pointer, leaf.path)
                 values = [f"{leaf.llvm} {name}"]
@@ -161,12 +173,14 @@ def _names(kind: Any) -> tuple[str, ...]:
 
 
 def _scalar(kind: Any, path: tuple[int, ...]) -> _Leaf | None:
-    return _Leaf(str(kind), _LLVM[kind], path) if kind in _LLVM else None
+    part = _PARTS.get(kind, kind)
+    return _Leaf(str(kind), _LLVM[part], path) if part in _LLVM else None
 
 
 def _array(kind: Any, path: tuple[int, ...]) -> _Leaf | None:
     if kind.dtype == TYPES[F16]:
         return _Leaf("float16", "i16", path, kind.ndim)
-    if kind.dtype not in _LLVM:
+    part = _PARTS.get(kind.dtype, kind.dtype)
+    if part not in _LLVM:
         return None
-    return _Leaf(str(kind.dtype), _LLVM[kind.dtype], path, kind.ndim)
+    return _Leaf(str(kind.dtype), _LLVM[part], path, kind.ndim)

@@ -48,11 +48,11 @@ from vividc.frontend.numba.arrays import (
     pick,
     reshape,
 )
+from vividc.frontend.numba.division import division
 from vividc.frontend.numba.integer import integer_loops, integer_operator
-from vividc.frontend.numba.math import float_loops
+from vividc.frontend.numba.math import complex_power, float_loops
 from vividc.frontend.numba.prange import parallel_range
 from vividc.frontend.numba.raises import NUMPY, CallConv, model_of
-from vividc.frontend.numba.real import real_division
 from vividc.frontend.numba.sort import is_sort, sort
 from vividc.frontend.numba.subscripts import marked_subscripts
 from vividc.frontend.numba.time import TimedTyping, ask, in_time
@@ -225,9 +225,9 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
         if iteration is not None:
             return functools.partial(iteration, self, sig)
         operation = getattr(fn, "typing_key", fn)  # numba's own lowering asks for operators
-        division = real_division(operation, sig.args)
-        if division is not None:
-            return functools.partial(division, self, sig)
+        divide = division(operation, sig.args)
+        if divide is not None:
+            return functools.partial(divide, self, sig)
         if operation is numba.prange:
             general = super().get_function(fn, sig, _firstcall)
             return functools.partial(parallel_range, sig, general)
@@ -244,7 +244,12 @@ def _our_rule(fn: Any, operation: Any, sig: Any) -> Any:
         return pick
     if "array.reshape" in (fn, operation) and isinstance(sig.args[-1], types.BaseTuple):
         return reshape
+    if operation in _POWERS and isinstance(sig.args[0], types.Complex):
+        return complex_power
     return sort if is_sort(operation, sig) else None
+
+
+_POWERS = (operator.pow, operator.ipow, pow)
 
 
 def _ours(rule: Any, context: _Context, sig: Any, builder: ir.IRBuilder, args: Any, *_: Any) -> Any:

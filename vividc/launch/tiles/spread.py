@@ -66,7 +66,7 @@ def spread(
     options = options or SpreadOptions()
     arrays, inputs = arguments(program, args, kwargs)
     for name, array in arrays.items():
-        if array.itemsize > WORD_BYTES:
+        if array.dtype.kind != "c" and array.itemsize > WORD_BYTES:
             raise ArgumentError(f"array {name} has elements of {array.itemsize} bytes")
     sizes = {name: array.nbytes for name, array in arrays.items()}
     cut = Cut(program, inputs, sizes, job.accelerator, options.double_buffer)
@@ -204,8 +204,9 @@ class _Builder:
         extents[name] = (address, address + end - part[0])
 
     def _view(self, name: str, part: Interval) -> NDArray[np.generic]:
-        """Bytes of an array as a view of its elements."""
+        """Bytes of an array as a view of its elements, of complex ones as one of their parts."""
         flat = self._arrays[name].reshape(-1)
+        flat = flat.view(np.float32) if flat.dtype.kind == "c" else flat
         return flat[part[0] // flat.itemsize : -(-part[1] // flat.itemsize)]
 
     def _chunk(self, chunk: Chunk, words: dict[str, int], common: Sequence[int]) -> int:

@@ -15,7 +15,6 @@ from functools import cached_property
 from typing import Final
 
 from vividc.machine.opcodes import MEMORY, Opcode, Type
-from vividc.machine.params import DType
 from vividc.machine.words import WORD_BYTES, signed
 from vividc.ssa.analysis.conjunctions import CONTRARY, Conjunctions, only_tested
 from vividc.ssa.analysis.counters import Counter, counter_of
@@ -465,7 +464,7 @@ class _Raising:
             kind = self._types.get(value.id, Type.ANY) if isinstance(value, Ref) else Type.ANY
             dtype = self.dtypes.get(instr.array)
             if kind is Type.ANY and dtype is not None:
-                kind = Type.F32 if dtype is DType.F32 else Type.I32
+                kind = Type.F32 if dtype.is_float else Type.I32
         if is_narrow and kind is not Type.I32:
             raise _NotStatic(f"elements of {instr.array} are less than a word, and no integers")
         if kind not in (Type.F32, Type.I32) or self.elements.setdefault(instr.array, kind) != kind:

@@ -1,5 +1,5 @@
-"""Python's `%`, `//` and `divmod` of floats as straight code: numba's results without its branches,
-each of which would hold a remainder of its own.
+"""Python's `%`, `//` and `divmod` of floats, and `/` of complex numbers, as straight code: numba's
+results without its branches, each of which would hold a remainder or a division of its own.
 """
 
 from __future__ import annotations
@@ -16,8 +16,10 @@ from vividc.frontend.numba.raises import check_divisor
 Parts = Callable[[Any, ir.IRBuilder, Any, Any], Any]
 
 
-def real_division(key: object, args: tuple[Any, ...]) -> Callable[..., Any] | None:
+def division(key: object, args: tuple[Any, ...]) -> Callable[..., Any] | None:
     """How to lower the operation `key` on arguments of these types; None: as numba does."""
+    if key in (operator.truediv, operator.itruediv) and isinstance(args[0], types.Complex):
+        return _complex_quotient
     parts = _DIVISIONS.get(key) if callable(key) else None
     if parts is None or len(args) != 2 or not all(isinstance(arg, types.Float) for arg in args):  # noqa: PLR2004
         return None
@@ -81,6 +83,38 @@ def _floored(builder: ir.IRBuilder, x: Any, y: Any, rest: Any) -> Any:
     none = builder.call(copysign, (zero, x))
     none = builder.select(builder.fcmp_ordered("<", y, zero), builder.fneg(none), none)
     return builder.select(builder.fcmp_ordered("==", quotient, zero), none, snapped)
+
+
+def _complex_quotient(context: Any, sig: Any, builder: ir.IRBuilder, args: Any, *_: Any) -> Any:
+    """Smith's: dividend and divisor by the divisor's greater part first. As numba's it raises in
+    either error model.
+    """
+    a, b = (
+        context.make_complex(
+            builder, sig.return_type, context.cast(builder, arg, kind, sig.return_type)
+        )
+        for arg, kind in zip(args, sig.args, strict=True)
+    )
+    zero = b.real.type(0.0)
+    fabs = builder.module.declare_intrinsic("llvm.fabs", [b.real.type])
+    sizes = [builder.call(fabs, (part,)) for part in (b.real, b.imag)]
+    is_real = builder.fcmp_ordered(">=", *sizes)
+    is_zero = builder.and_(is_real, builder.fcmp_ordered("==", sizes[0], zero))
+    with cgutils.if_unlikely(builder, is_zero):
+        context.call_conv.return_user_exc(builder, ZeroDivisionError, ("complex division by zero",))
+
+    def ordered(one: Any, other: Any) -> tuple[Any, Any]:
+        return builder.select(is_real, one, other), builder.select(is_real, other, one)
+
+    greater, less = ordered(b.real, b.imag)
+    ratio = builder.fdiv(less, greater)
+    divisor = builder.fadd(greater, builder.fmul(less, ratio))
+    first, second = ordered(a.real, a.imag)
+    quotient = context.make_complex(builder, sig.return_type)
+    real = builder.fadd(first, builder.fmul(second, ratio))
+    imag = builder.fsub(*ordered(second, builder.fmul(first, ratio)))
+    quotient.real, quotient.imag = builder.fdiv(real, divisor), builder.fdiv(imag, divisor)
+    return quotient._getvalue()
 
 
 _DIVISIONS: Final[dict[object, Parts]] = {
