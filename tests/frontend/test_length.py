@@ -9,7 +9,7 @@ import pytest
 
 import vividc
 from vividc.errors import SourceLoc
-from vividc.frontend.numba import length
+from vividc.frontend.refused import length
 
 
 def _long(statements: int) -> FunctionType:

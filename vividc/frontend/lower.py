@@ -20,10 +20,10 @@ from vividc.frontend.narrow.counting import word_parameters
 from vividc.frontend.narrow.in_words import in_words
 from vividc.frontend.narrow.narrow import narrow
 from vividc.frontend.numba.entry import optimised_ir
-from vividc.frontend.numba.length import refuse_long, refuse_long_code
 from vividc.frontend.numba.returned import parts_of
 from vividc.frontend.numba.target import NumbaModule, numba_module
 from vividc.frontend.refused.diagnose import behind, construct_at, diagnose, returned_at
+from vividc.frontend.refused.length import refuse_long, refuse_long_code
 from vividc.frontend.stages import SIMPLIFYING, TIDYING, without_pointers
 from vividc.host.watch import aside, run_passes, watched
 from vividc.lang.numba_words import is_numbas, plain

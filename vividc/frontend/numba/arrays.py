@@ -10,12 +10,10 @@ from __future__ import annotations
 
 import functools
 import hashlib
-import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, Literal
 
-import numba
 import numpy as np
 from llvmlite import ir
 from numba.core import cgutils, errors, lowering, types
@@ -25,6 +23,7 @@ from numba.extending import overload
 from numba.np import arraymath, arrayobj, npyimpl
 
 from vividc.frontend.llvm.calls import ALLOCATE, COPY, OVERLAP, PICK, TABLE
+from vividc.frontend.numba.lines import first_line
 from vividc.lang.formats import MISUSE
 
 _I64 = ir.IntType(64)
@@ -66,7 +65,7 @@ def arrays_are_ours() -> Iterator[None]:
         (arrayobj, "array_reshape", reshape),
         (slicing, "fix_slice", _fix_slice),
         (npyimpl._ArrayIndexingHelper, "update_indices", _update_indices),
-        (lowering, "get_func_body_first_lineno", _first_line),
+        (lowering, "get_func_body_first_lineno", first_line),
     )
     originals = [getattr(module, name) for module, name, _ in patches]
     for module, name, ours in patches:
@@ -76,22 +75,6 @@ def arrays_are_ours() -> Iterator[None]:
     finally:
         for (module, name, _), original in zip(patches, originals, strict=True):
             setattr(module, name, original)
-
-
-def _first_line(function: Any) -> int | None:
-    """Numba parses a whole file for each function's first line; of its own functions none is
-    shown.
-    """
-    code = function.__code__
-    if code.co_filename.startswith(_NUMBA_HOME):
-        first: int = code.co_firstlineno
-        return first
-    line: int | None = _numba_first_line(function)
-    return line
-
-
-_NUMBA_HOME = os.path.dirname(numba.__file__) + os.sep
-_numba_first_line = lowering.get_func_body_first_lineno
 
 
 def _allocate(context: Any, builder: ir.IRBuilder, arrtype: Any, shapes: Any) -> Any:

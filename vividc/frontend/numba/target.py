@@ -50,6 +50,7 @@ from vividc.frontend.numba.arrays import (
 )
 from vividc.frontend.numba.division import division
 from vividc.frontend.numba.integer import integer_loops, integer_operator
+from vividc.frontend.numba.lines import Lines
 from vividc.frontend.numba.math import complex_power, float_loops
 from vividc.frontend.numba.prange import parallel_range
 from vividc.frontend.numba.raises import NUMPY, CallConv, model_of
@@ -172,6 +173,7 @@ class _TypingContext(TimedTyping):
 
 
 class _Context(cpu.CPUContext):  # type: ignore[misc]
+    DIBuilder = Lines
     enable_boundscheck = False
     # Without it numba types no function that returns an array, such as np.empty.
     enable_nrt = True
@@ -179,6 +181,7 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
     def init(self) -> None:
         self.is32bit = False
         self._internal_codegen = _Codegen()
+        self._sizes: dict[str, int] = {}
 
     def load_additional_registries(self) -> None:
         # The runtime belongs to the host's context: were it made with this one, numba itself would
@@ -208,6 +211,13 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
         if impl is npyimpl._broadcast_onto:
             return broadcast_onto(builder, args)
         return super().compile_internal(builder, impl, sig, args, locals or {})
+
+    def get_abi_sizeof(self, ty: Any) -> int:
+        """As numba's; LLVM reads a module to tell it, of each type once."""
+        name = str(ty)
+        if name not in self._sizes:
+            self._sizes[name] = super().get_abi_sizeof(ty)
+        return self._sizes[name]
 
     def make_constant_array(self, builder: Any, typ: Any, ary: Any) -> Any:
         """Constant arrays are typed globals; numba's are bytes."""
