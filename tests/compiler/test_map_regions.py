@@ -20,6 +20,7 @@ from vividc.mapper import all_bounds, mii
 from vividc.mapper.engines.list_schedule import list_schedule
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.problem import MapProblem
+from vividc.mapper.resources.banks import Meets
 
 
 @vividc.kernel("void(float32[:, ::1])")
@@ -38,11 +39,13 @@ def test_straight_regions_that_leave_no_room_are_scheduled_again(
     """All of them, not only the one that found no room: those before it took it."""
     tried: list[tuple[str, bool]] = []
 
-    def crowded(problem: MapProblem, goes_on: Callable[[], bool], *, frugal: bool) -> Mapping:
+    def crowded(
+        problem: MapProblem, goes_on: Callable[[], bool], *, frugal: bool, meets: Meets
+    ) -> Mapping:
         tried.append((problem.dfg.name, frugal))
         if not frugal and len(tried) == 2:
             raise MappingFailed("no constant store has room")
-        return list_schedule(problem, goes_on, frugal=frugal)
+        return list_schedule(problem, goes_on, frugal=frugal, meets=meets)
 
     monkeypatch.setattr(map_regions, "list_schedule", crowded)
     program = vividc.compile(sums, loops=vividc.LoopOptions(auto=False))

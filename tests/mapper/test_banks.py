@@ -92,6 +92,24 @@ def test_what_is_predicated_stalls_less() -> None:
     assert sometimes == pytest.approx(1.5, abs=0.1)
 
 
+def test_accesses_of_straight_code_meet_as_their_rows_do() -> None:
+    """Two columns of one row never do; two rows as their pitch lets them."""
+    first, beside, below = at(0), at(4), at(0, x=4)
+    traffic = Traffic.of(graph(first, beside, below), PAD, 1)
+    unknown = traffic.meets()
+    assert 2 not in unknown[1]
+    assert unknown[1][3] == unknown[3][1] == pytest.approx(1 / PAD.banks, abs=0.06)
+    assert traffic.meets({"%x": 2}) == {}
+    assert traffic.meets({"%x": 4}) == {1: {3: 1.0}, 3: {1: 1.0}}
+
+
+def test_what_is_sure_to_meet_is_scheduled_apart_and_what_may_waits() -> None:
+    rows = [at(0, x=4 * row) for row in range(4)]
+    traffic = Traffic.of(graph(*rows, guarded=(1, 2)), PAD, 2)
+    assert traffic.unsure() > 0.5
+    assert traffic.unsure({"%x": 1}) == traffic.unsure({"%x": 4}) == 0.0
+
+
 def test_arrays_start_where_they_do_not_meet() -> None:
     steps = [(((("&" + name,), 1)), (ITERATION, 4)) for name in "abcd"]
     together = Traffic.of(graph(*steps), PAD, 1, dict.fromkeys((1, 2, 3, 4), 0))

@@ -157,6 +157,37 @@ def test_control_results_come_one_a_cycle() -> None:
     assert legal_schedule(problem).ii == 3
 
 
+def loads(count: int) -> DFG:
+    """Loads, each of an address of its own."""
+    nodes = [Node(n, Opcode.MOV) for n in range(count)]
+    nodes += [Node(count + n, Opcode.LOAD, name="a") for n in range(count)]
+    edges = tuple(Edge(n, count + n, 0) for n in range(count))
+    return DFG("loads", tuple(nodes), edges)
+
+
+def test_accesses_that_meet_in_a_bank_start_in_different_cycles() -> None:
+    problem = MapProblem(loads(2), FABRICS["vivid-tile"])
+    accesses = [node.id for node in problem.dfg.nodes if node.is_memory]
+    meets = {one: {other: 1.0 for other in accesses if other != one} for one in accesses}
+    assert len(set(starts(list_schedule(problem), accesses))) == 1
+    apart = list_schedule(problem, meets=meets)
+    assert len(set(starts(apart, accesses))) == 2
+    straight = violations(problem.dfg, problem.fabric, apart, straight=True)
+    assert straight == []
+
+
+def test_accesses_that_hardly_meet_are_not_late_for_it() -> None:
+    problem = MapProblem(loads(4), FABRICS["vivid-tile"])
+    accesses = [node.id for node in problem.dfg.nodes if node.is_memory]
+    meets = {one: {other: 0.05 for other in accesses if other != one} for one in accesses}
+    assert list_schedule(problem, meets=meets).ii == list_schedule(problem).ii
+
+
+def starts(mapping: Mapping, nodes: list[int]) -> list[int]:
+    """The cycles in which nodes start."""
+    return [mapping.places[node].time for node in nodes]
+
+
 def test_memory_operations_keep_their_order() -> None:
     nodes = (Node(0, Opcode.STORE, name="a"), Node(1, Opcode.LOAD, name="a"))
     dfg = DFG("order", nodes, (Edge(0, 1, ORDER, kind=EdgeKind.ORDER),))

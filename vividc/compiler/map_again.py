@@ -87,6 +87,13 @@ def with_fewer_cycles(
     return _with_shorter_iterations(loops, apart, deadline.within(_BUDGET_S))
 
 
+def layout_for(
+    kernel: Kernel, fabric: Fabric, results: ReadOnly[int, MapResult], runs: Runs
+) -> Words:
+    """Where arrays would start and how far apart their rows would lie for mapped loops alone."""
+    return _Loops(kernel, fabric, runs).known(results)
+
+
 def _with_fewer_stalls(
     loops: _Loops, results: ReadOnly[int, MapResult], deadline: Deadline
 ) -> dict[int, MapResult]:

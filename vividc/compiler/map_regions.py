@@ -14,7 +14,7 @@ from functools import partial
 from vividc.arch.fabric import Fabric
 from vividc.compiler.delivery import deliver, with_homes
 from vividc.compiler.homes import residents, variable_homes
-from vividc.compiler.map_again import Runs, with_fewer_cycles
+from vividc.compiler.map_again import Runs, layout_for, with_fewer_cycles
 from vividc.dfg.ir import DFG
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, MappingFailed, TimeLimit
@@ -26,6 +26,7 @@ from vividc.mapper.deadline import Deadline, limited
 from vividc.mapper.engines.list_schedule import list_schedule
 from vividc.mapper.engines.negotiate import least_span
 from vividc.mapper.mapping import Mapping, Status
+from vividc.mapper.resources.banks import NOTHING, Meets, Traffic
 from vividc.program.encoder.checks import span_of
 
 Progress = Callable[[str], None]
@@ -149,8 +150,7 @@ def map_kernel(
         before, after = (_spans(kernel, fabric, loops) for loops in (results, chosen))
         if is_lost({index: min(span, after[index]) for index, span in before.items()}):
             return None
-        entries = None if runs is None else runs.entries
-        finish = partial(_with_straight, kernel, fabric, options, entries, is_lost=is_lost)
+        finish = partial(_with_straight, kernel, fabric, options, runs, is_lost=is_lost)
         try:
             return finish(chosen, frugal=False)
         except MappingFailed:  # what the first ones took may be what the last ones need
@@ -177,7 +177,7 @@ def _with_straight(
     kernel: Kernel,
     fabric: Fabric,
     options: MapOptions,
-    entries: Sequence[float] | None,
+    runs: Runs | None,
     results: dict[int, MapResult],
     *,
     frugal: bool,
@@ -189,7 +189,8 @@ def _with_straight(
     """
     results = dict(results)
     loops = {index: mapping_of(result) for index, result in results.items()}
-    homes = variable_homes(kernel, fabric, loops, entries)
+    homes = variable_homes(kernel, fabric, loops, None if runs is None else runs.entries)
+    known = NOTHING if runs is None else layout_for(kernel, fabric, results, runs)
     done = [(kernel.regions[index].dfg, mapping) for index, mapping in loops.items()]
     regions = list(kernel.regions)
     straight = [(i, r) for i, r in enumerate(kernel.regions) if r.kind != "loop"]
@@ -199,7 +200,8 @@ def _with_straight(
         ready = deliver(region, homes, fabric, held)
         problem = MapProblem(ready.dfg, fabric, ready.allowed, held)
         try:
-            results[index] = _map_straight(problem, options, pace, frugal=frugal)
+            meets = Traffic.of(ready.dfg, fabric.scratchpad, 1).meets(known)
+            results[index] = _map_straight(problem, options, pace, meets, frugal=frugal)
         except MappingFailed as error:
             if hopeless is not None:
                 hopeless[_unnamed(region.dfg)] = error
@@ -347,11 +349,11 @@ def _mapped_loop(
 
 
 def _map_straight(
-    problem: MapProblem, options: MapOptions, pace: _Pace, *, frugal: bool
+    problem: MapProblem, options: MapOptions, pace: _Pace, meets: Meets, *, frugal: bool
 ) -> MapResult:
     start = time.monotonic()
     pace.begin(len(problem.dfg.placed))
-    mapping = list_schedule(problem, pace.leaves_time, frugal=frugal)
+    mapping = list_schedule(problem, pace.leaves_time, frugal=frugal, meets=meets)
     faults = violations(
         problem.dfg,
         problem.fabric,

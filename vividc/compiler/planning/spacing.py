@@ -33,21 +33,26 @@ def spaced(function: Function, estimator: Estimator, hints: Mapping[str, float])
         shapes = [estimator.shape(region) for region in kernel.regions]
         total = estimator.priced(made, kernel, shapes, hints).cycles
         pad = estimator.fabric.scratchpad
-        traffic = [
-            Traffic.of(estimator.optimized(region.dfg), pad, shape.ii, None, runs)
-            for region, shape, runs in zip(kernel.regions, shapes, iterations, strict=True)
-            if region.kind == "loop" and shape.is_possible
-        ]
-        pitches = best_pitches(traffic, matrices)
-        all_spaced = _stalls(traffic, pitches)
+        loops, straight = (
+            [
+                Traffic.of(estimator.optimized(region.dfg), pad, shape.ii, None, runs)
+                for region, shape, runs in zip(kernel.regions, shapes, iterations, strict=True)
+                if region.kind == kind and shape.is_possible
+            ]
+            for kind in ("loop", "straight")
+        )
+        pitches = best_pitches(loops, matrices)
+        all_spaced = _stalls(loops, straight, pitches)
         pays = frozenset(
             matrix
             for matrix in matrices
-            if _stalls(traffic, {name: n for name, n in pitches.items() if name != matrix})
+            if _stalls(loops, straight, {name: n for name, n in pitches.items() if name != matrix})
             > all_spaced + PAYS * total
         )
     return replace(function, spaced=pays) if pays else function
 
 
-def _stalls(traffic: list[Traffic], pitches: Mapping[str, int]) -> float:
-    return sum(one.weight * one.stalls(words_of({}, pitches)) for one in traffic)
+def _stalls(loops: list[Traffic], straight: list[Traffic], pitches: Mapping[str, int]) -> float:
+    known = words_of({}, pitches)
+    waits = sum(one.weight * one.unsure(known) for one in straight)
+    return waits + sum(one.weight * one.stalls(known) for one in loops)

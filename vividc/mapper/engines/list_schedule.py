@@ -10,18 +10,25 @@ fewer words than an operation reads.
 from __future__ import annotations
 
 import heapq
+import math
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Final
 
 from vividc.dfg.ir import Edge, EdgeKind, Node
-from vividc.errors import MappingFailed
 from vividc.host import time_limit
 from vividc.machine.opcodes import Opcode
 from vividc.mapper.bounds.straight import Heights, end_after_start, straight_lower_bound
+from vividc.mapper.engines.refusals import (
+    Stuck,
+    failure_of,
+    refuse_impossible,
+    refuse_too_long,
+)
 from vividc.mapper.mapping import Mapping, Place
 from vividc.mapper.problem import ConstantKey, MapProblem
+from vividc.mapper.resources.banks import NO_MEETS, Meets
 from vividc.mapper.resources.router import UNREACHABLE, Journal, Path, Places, Router, Spot, Value
 
 __all__ = ["list_schedule", "straight_lower_bound"]
@@ -31,19 +38,34 @@ _MAX_TRIALS: Final = 24
 _SPARED: Final = 12
 """Entries of constant stores: a store or load, its address and a number take three."""
 
+_APART: Final = (2, 4, 1)
+"""By trial."""
+
 _PATIENCE: Final = 8
 """Cycles by which a node may be late on one PE before the others are asked again."""
 
 
 def list_schedule(
-    problem: MapProblem, goes_on: Callable[[], bool] = lambda: True, *, frugal: bool = False
+    problem: MapProblem,
+    goes_on: Callable[[], bool] = lambda: True,
+    *,
+    frugal: bool = False,
+    meets: Meets = NO_MEETS,
 ) -> Mapping:
     """A legal schedule of a straight region; its `ii` is the length in cycles (1 or more).
 
-    `goes_on`: whether a shorter one is to be tried for, asked when there is one. Deterministic
-    but for that. The length is minimal when it equals `straight_lower_bound(problem).ii`.
-    `frugal`: rather longer than with entries in constant stores that are nearly full, which
-    regions scheduled later need.
+    Deterministic, but for what `goes_on` says. The length is minimal when it equals
+    `straight_lower_bound(problem).ii`; it may be longer where accesses meet in fewer banks for it.
+
+    Parameters
+    ----------
+    goes_on
+        Whether a shorter one is to be tried for, asked when there is one.
+    frugal
+        Rather longer than with entries in constant stores that are nearly full, which regions
+        scheduled later need.
+    meets
+        How often each two accesses of one cycle meet in a bank.
 
     Raises
     ------
@@ -53,91 +75,37 @@ def list_schedule(
     TimeLimit
         Time is up (`time_limit`).
     """
-    _refuse_impossible(problem)
+    refuse_impossible(problem)
     bound = straight_lower_bound(problem)
-    _refuse_too_long(problem, bound.ii)
+    refuse_too_long(problem, bound.ii)
     heights = Heights(problem)
     places = Places(problem.fabric)
     urgency: dict[int, int] = {}
     best: Mapping | None = None
-    failure: _Stuck | None = None
+    least = math.inf
+    failure: Stuck | None = None
     for trial in range(_trials(problem)):
         policy = _policy(trial, urgency, failure is not None, frugal)
-        schedule = _Schedule(problem, places, heights, policy)
+        schedule = _Schedule(problem, places, heights, policy, meets)
         try:
             mapping = schedule.run()
-        except _Stuck as stuck:
+        except Stuck as stuck:
             failure = stuck
             continue
-        if best is None or mapping.ii < best.ii:
-            best = mapping
-        if best.ii <= bound.ii or not goes_on():
+        cycles = mapping.ii + schedule.waits
+        if best is None or cycles < least:
+            best, least = mapping, cycles
+        if least < bound.ii + 1 or not goes_on():
             break
         urgency = _raised(urgency, heights, mapping, bound.ii)
     if best is None:
-        raise _failed(problem, failure)
-    _refuse_too_long(problem, best.ii)
+        raise failure_of(problem, failure)
+    refuse_too_long(problem, best.ii)
     return best
 
 
 def _trials(problem: MapProblem) -> int:
     return max(3, min(_MAX_TRIALS, _NODES_IN_ALL_TRIALS // max(1, len(problem.dfg.placed))))
-
-
-# --- what is refused ------------------------------------------------------------------------------
-
-
-def _refuse_impossible(problem: MapProblem) -> None:
-    for edge in problem.dfg.edges:
-        if edge.distance:
-            raise MappingFailed(
-                f"{problem.dfg.name}: edge {edge.src} -> {edge.dst} has distance {edge.distance}",
-                hint="only loop regions have distances",
-            )
-    for node in problem.dfg.placed:
-        if not problem.candidates(node):
-            raise MappingFailed(
-                f"no PE permitted to {_show(node)} executes {_needed(node)}",
-                loc=node.loc,
-            )
-
-
-def _needed(node: Node) -> str:
-    lanes = " on 16 or 8 bits (`sliced`)" if node.info.sliced else ""
-    return f"{node.latency_class.value}{lanes}"
-
-
-def _refuse_too_long(problem: MapProblem, length: int) -> None:
-    contexts = problem.fabric.controller.contexts
-    if length > contexts:
-        raise MappingFailed(
-            f"{problem.dfg.name}: its schedule takes {length} cycles, "
-            f"but a PE has {contexts} contexts",
-            hint="split the kernel, or use a fabric with more contexts",
-        )
-
-
-def _failed(problem: MapProblem, failure: _Stuck | None) -> MappingFailed:
-    if failure is None:
-        return MappingFailed(f"{problem.dfg.name}: there was no time for a trial")
-    return MappingFailed(
-        f"{problem.dfg.name}: {_show(failure.node)} cannot be placed: {failure.reason}",
-        loc=failure.node.loc,
-        hint="use a fabric with more registers or constants, or split the region",
-    )
-
-
-def _show(node: Node) -> str:
-    return f"node {node.id} ({node.op.value})"
-
-
-class _Stuck(Exception):
-    """The greedy schedule is stuck; another trial may succeed."""
-
-    def __init__(self, node: Node, reason: str) -> None:
-        self.node = node
-        self.reason = reason
-        super().__init__(reason)
 
 
 # --- trials ---------------------------------------------------------------------------------------
@@ -147,7 +115,8 @@ class _Stuck(Exception):
 class _Policy:
     """How one trial decides. Above `pressure` parked words per register, readers go first, of these
     if `deep` those of the newest words: chains beside each other come one after the other. A store
-    with less than `spared` entries left is avoided by a cycle for each that is missing.
+    with less than `spared` entries left is avoided by a cycle for each that is missing. An access
+    is `apart` cycles late rather than that it meets another one in a bank.
     """
 
     urgency: dict[int, int]
@@ -156,6 +125,7 @@ class _Policy:
     affinity: int
     constants: int
     spared: int
+    apart: int
 
 
 def _policy(trial: int, urgency: dict[int, int], crowded: bool, frugal: bool) -> _Policy:
@@ -167,6 +137,7 @@ def _policy(trial: int, urgency: dict[int, int], crowded: bool, frugal: bool) ->
         affinity=(2, 0, 4)[trial % 3],
         constants=8 if crowded or frugal else 1,
         spared=_SPARED if frugal else 0,
+        apart=_APART[trial % len(_APART)],
     )
 
 
@@ -186,20 +157,30 @@ def _raised(
 class _Option:
     """A place that was tried and works, with what it costs."""
 
-    score: int
+    score: float
     cost: int
     time: int
     pe: int
+
+    @property
+    def rank(self) -> tuple[float, int, int, int]:
+        """The better the less."""
+        return self.score, self.cost, self.time, self.pe
 
 
 class _Schedule:
     """One greedy pass over the region."""
 
     def __init__(
-        self, problem: MapProblem, places: Places, heights: Heights, policy: _Policy
+        self,
+        problem: MapProblem,
+        places: Places,
+        heights: Heights,
+        policy: _Policy,
+        meets: Meets,
     ) -> None:
         self.problem, self.dfg, self.fabric = problem, problem.dfg, problem.fabric
-        self.grid, self.heights, self.policy = places, heights, policy
+        self.grid, self.heights, self.policy, self.meets = places, heights, policy, meets
         self.journal = Journal()
         self.router = Router(places, self.journal)
         self.start: dict[int, Place] = {}
@@ -217,12 +198,14 @@ class _Schedule:
         self.busy: dict[tuple[str, int, int], int] = {}
         self.constants: dict[int, frozenset[ConstantKey]] = self._fixed_constants()
         self.readers = self._readers_of_written_variables()
+        self.issued: dict[int, tuple[int, ...]] = {}
+        self.waits = 0.0
         self.horizon = 0
         self.order: dict[int, int] = {}
         self.registers = sum(pe.registers for pe in self.fabric.pes)
 
     def run(self) -> Mapping:
-        """Place every node; raises `_Stuck` when one has no place."""
+        """Place every node; raises `Stuck` when one has no place."""
         waits = self._waits()
         ready = [node for node in self.dfg.placed if not waits[node.id]]
         followers = self._followers()
@@ -237,7 +220,7 @@ class _Schedule:
                     ready.append(self.dfg.by_id[follower])
         for node in self.dfg.placed:
             if node.id not in self.start:
-                raise _Stuck(node, "its dependences form a cycle")
+                raise Stuck(node, "its dependences form a cycle")
         return self._mapping()
 
     def _mapping(self) -> Mapping:
@@ -307,7 +290,8 @@ class _Schedule:
     def _place(self, node: Node) -> None:
         option = self._best_option(node)
         if option is None:
-            raise _Stuck(node, self._why_stuck(node))
+            raise Stuck(node, self._why_stuck(node))
+        self.waits += self._meeting(node, option.time)
         cost = self._try(node, option.pe, option.time)
         assert cost is not None, "a trial placement does not repeat"
         self.order[node.id] = len(self.order) + 1
@@ -332,9 +316,16 @@ class _Schedule:
             if option is None:
                 if time < max(last_chance, self._earliest(node, pe) + _PATIENCE):
                     heapq.heappush(queue, (score + 1, time + 1, pe))
-            elif best is None or (option.cost, time, pe) < (best.cost, best.time, best.pe):
+            elif best is None or option.rank < best.rank:
                 best = option
         return best
+
+    def _meeting(self, node: Node, time: int) -> float:
+        """Cycles that an access is expected to wait for those of its cycle so far, at most one."""
+        often = self.meets.get(node.id)
+        if not often:
+            return 0.0
+        return min(1.0, sum(often.get(other, 0.0) for other in self.issued.get(time, ())))
 
     def _tried(self, node: Node, pe: int, time: int, score: int) -> _Option | None:
         if not self._is_free(node, pe, time):
@@ -347,7 +338,8 @@ class _Schedule:
         new_entries = frozenset(self.problem.constants_of(node)) - self.constants[pe]
         cost += self.policy.constants * len(new_entries)
         cost += self.policy.affinity * self._away(node, pe)
-        return _Option(score, cost, time, pe)
+        late = self.policy.apart * self._meeting(node, time)
+        return _Option(score + late, cost, time, pe)
 
     def _away(self, node: Node, pe: int) -> int:
         """Hops to the words that the readers of `node` will need as well."""
@@ -414,6 +406,8 @@ class _Schedule:
         self.journal.set(self.start, node.id, Place(pe, time))
         for claim in self._claims(node, pe, time):
             self.journal.set(self.busy, claim, node.id)
+        if node.id in self.meets:
+            self.journal.set(self.issued, time, (*self.issued.get(time, ()), node.id))
         entries = self.constants[pe] | frozenset(self.problem.constants_of(node))
         self.journal.set(self.constants, pe, entries)
         value = Value(node.id, pe, time + self.fabric.latency(node))

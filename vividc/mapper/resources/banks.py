@@ -40,6 +40,9 @@ _IDLE: Final = 4
 loop, and arms of branches.
 """
 
+_SURE: Final = 0.5
+"""Accesses that meet as often are known to, unless one of them is idle."""
+
 _GAIN: Final = 0.2
 """Share of the stalls that a start has to save to be taken instead of one before it."""
 
@@ -76,6 +79,10 @@ class Meetings:
 
 
 NO_MEETINGS: Final = Meetings()
+
+Meets = Mapping[int, Mapping[int, float]]
+"""How often accesses of one cycle of straight code meet in a bank, by the ids of both."""
+NO_MEETS: Final[Meets] = {}
 
 
 @dataclass(frozen=True)
@@ -185,6 +192,37 @@ class Traffic:
         return Meetings(
             tuple(node.id for node in self.accesses), np.concatenate([earlier, later], axis=2)
         )
+
+    def meets(self, known: Words = NOTHING) -> Meets:
+        """Of straight code, by the ids of accesses that meet others at all."""
+        found: dict[int, Mapping[int, float]] = {}
+        for node, row in zip(self.accesses, self._side_by_side(known), strict=True):
+            others = {self.accesses[n].id: float(row[n]) for n in np.flatnonzero(row)}
+            if others:
+                found[node.id] = others
+        return found
+
+    def unsure(self, known: Words = NOTHING) -> float:
+        """Cycles of a run of straight code in which accesses are expected to wait for each other,
+        in any of its cycles, as nobody knows which of them meet: what does is scheduled apart.
+        """
+        often = self._side_by_side(known)
+        return float(often[often < _SURE].sum()) / (2 * self.ii)
+
+    def _side_by_side(self, known: Words) -> NDArray[np.float64]:
+        """How often each two accesses of one cycle meet, outside of loops."""
+        idle = _drawn("predicate", _IDLE) == 0
+        banks = np.zeros((len(self.accesses), _DRAWN), np.int64)
+        for number, node in enumerate(self.accesses):
+            bank = _bank(node, np.zeros(_DRAWN, np.int64), self.banks, known, is_mapped=True)
+            if node.id in self.predicated:  # while idle, none of the others' banks
+                bank = np.where(idle, -1 - number, bank)
+            banks[number] = bank
+        often = np.zeros((len(banks), len(banks)))
+        for number, bank in enumerate(banks):
+            often[number] = (banks == bank).mean(axis=1)
+        np.fill_diagonal(often, 0.0)
+        return often
 
     def touches(self, array: str) -> bool:
         """Whether one of the accesses is to an array."""
