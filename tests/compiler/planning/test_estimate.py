@@ -8,11 +8,13 @@ import numpy as np
 
 import vividc
 from vividc import arch
-from vividc.compiler.planning.estimate import Estimator
+from vividc.compiler.planning.estimate import Apart, Estimator
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.ir import DFG
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.regions import Kernel
+from vividc.ssa.flow import find_loops
+from vividc.ssa.rewrite.tidy import tidy
 
 
 @vividc.kernel("void(int32[::1], int32)")
@@ -66,3 +68,18 @@ def test_graphs_that_differ_in_variables_and_addresses_are_optimised_alike() -> 
     assert theirs == anew != mine
     assert {node.address for node in theirs.nodes if node.is_memory} == {form}
     assert len(mine.nodes) < len(loop.nodes)
+
+
+def test_a_nest_apart_from_others_takes_what_it_takes_beside_them() -> None:
+    estimator = Estimator(arch.load("vivid-tile"), PassOptions(contract=False))
+    function = tidy(twice.lower())
+    first, second = find_loops(function)
+    apart = Apart.of(estimator, function, {}, {first.header})
+    assert apart.headers == {second.header}
+    [alone] = apart.estimate(function, {})
+    both = estimator.estimate(function, {})
+    assert {cost.header for cost in alone.regions} >= {first.header, second.header}
+    assert alone.largest_loop(16) == both.largest_loop(16)
+    assert abs(alone.cycles - both.cycles) < 0.05 * both.cycles
+    short, long = apart.estimate(function, {first.header: 10.0}, {first.header: 1000.0})
+    assert long.cycles > short.cycles + 500

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -27,6 +27,7 @@ from vividc.ssa.analysis.frequency import expected_trips, frequencies
 from vividc.ssa.flow import find_loops, preheader_of
 from vividc.ssa.formats.pack_lanes import pack_lanes
 from vividc.ssa.ir import Function
+from vividc.ssa.loops.left_out import without_loops
 from vividc.ssa.rewrite.normalize import normalize
 
 _ROUTING = 1.3
@@ -338,6 +339,57 @@ class Estimator:
         if known is None or not known.is_own or check(known.done):
             return optimize(dfg, self.options)  # one that is alike has other source lines
         return replace(known.done, name=dfg.name)
+
+
+@dataclass(frozen=True)
+class Apart:
+    """Estimates one nest in several forms, each without the other nests of the function: these take
+    as long beside each form, and building their regions anew would take most of the time.
+
+    Attributes
+    ----------
+    headers
+        Of the loops in no other one that are left out.
+    others
+        What the regions take that are left out.
+    """
+
+    estimator: Estimator
+    headers: frozenset[str]
+    others: tuple[RegionCost, ...]
+
+    @staticmethod
+    def of(
+        estimator: Estimator,
+        function: Function,
+        hints: Mapping[str, float],
+        inside: Collection[str],
+    ) -> Apart:
+        """For nests with loops of the headers `inside`."""
+        loops = find_loops(function)
+        outer = [
+            loop
+            for loop in loops
+            if not any(loop.header in o.blocks and o.header != loop.header for o in loops)
+        ]
+        headers = frozenset(o.header for o in outer if o.blocks.isdisjoint(inside))
+        _, taken = without_loops(function, headers)
+        costs = estimator.estimate(function, hints).regions if taken else ()
+        return Apart(estimator, headers, tuple(cost for cost in costs if cost.header in taken))
+
+    def estimate(self, function: Function, *hints: Mapping[str, float]) -> tuple[Estimate, ...]:
+        """As the estimator does of a form, for each of several hints."""
+        rest, _ = without_loops(function, self.headers) if self.others else (function, ())
+        return tuple(self._with_others(self.estimator.estimate(rest, one)) for one in hints)
+
+    def _with_others(self, estimate: Estimate) -> Estimate:
+        if not self.others:
+            return estimate
+        controller = self.estimator.fabric.controller
+        switches = sum(cost.runs for cost in self.others) * controller.switch_cycles
+        cycles = estimate.cycles + sum(cost.cycles for cost in self.others) + switches
+        every = Estimate(cycles, (*estimate.regions, *self.others))
+        return replace(every, cycles=math.inf) if every.contexts > controller.contexts else every
 
 
 def _graph(dfg: DFG) -> _Graph:
