@@ -17,111 +17,144 @@ ONE = np.float32(1.0)
 TWO = np.float32(2.0)
 LARGEST = np.float32(80.0)
 LOWEST = np.float32(-3.4e38)
+HALF = np.float32(0.5)
+HIGH = np.uint32(16)
+PLACE = np.uint32(22)
 
 
 @numba.njit
-def in_cells(points, box, i, axis, count):
-    """Where a point is along an axis, in cells, and the cell it is in, one of `count`."""
-    place = (points[i, axis] - box[axis]) / box[3 + axis] * np.float32(count)
-    return place, np.int32(min(max(np.int32(np.floor(place)), 0), count - 1))
+def in_cells(along, box, axis, count):
+    """Where a coordinate is along its axis, in cells, and the cell it is in, one of `count`."""
+    place = (along - box[axis]) * box[3 + axis]
+    return place, np.int32(min(max(np.int32(place), 0), count - 1))
 
 
 @numba.njit
-def number_of(points, box, grid, i):
+def number_of(point, box, grid):
     """Number of the cell that a point is in, the last axis innermost."""
-    _, x = in_cells(points, box, i, 0, grid[0])
-    _, y = in_cells(points, box, i, 1, grid[1])
-    _, z = in_cells(points, box, i, 2, grid[2])
+    _, x = in_cells(point[0], box, 0, grid[0])
+    _, y = in_cells(point[1], box, 1, grid[1])
+    _, z = in_cells(point[2], box, 2, grid[2])
     return (x * grid[1] + y) * grid[2] + z
 
 
 @vividc.kernel("void(float32[:, ::1], float32[::1], int32[::1], int32[::1])")
 def cell_numbers(points, box, grid, numbers):
-    """Number of the cell of each point in a `grid` of cells. `box` is the lowest corner and the
-    extent.
+    """Number of the cell of each point in a `grid` of cells. `box` is its lowest corner and cells
+    a unit.
     """
     for i in prange(points.shape[0]):
-        numbers[i] = number_of(points, box, grid, i)
+        numbers[i] = number_of((points[i, 0], points[i, 1], points[i, 2]), box, grid)
 
 
 @numba.njit
-def count_networks(points, box, grid, networks, known, low, chosen, starts, cursors):
-    """Where the samples of each network begin in a chunk, as `group_places` says."""
-    if known == 0:
-        for i in range(points.shape[0]):
-            chosen[i] = networks[np.uint32(number_of(points, box, grid, i))]
+def ray_of(item):
+    """The ray of a sample, among the block's."""
+    return np.uint32((np.uint32(item) >> HIGH) & np.uint32(63))
+
+
+@numba.njit
+def point_of(item, directions, entries, geometry):
+    """Place of a sample in the world, as `sample_points` in marching.py has it."""
+    ray = ray_of(item)
+    t = entries[ray] + (np.float32(item & 0xFFFF) + HALF) * geometry[14]
+    return (
+        geometry[0] + t * directions[ray, 0],
+        geometry[1] + t * directions[ray, 1],
+        geometry[2] + t * directions[ray, 2],
+    )
+
+
+@numba.njit
+def counted(network, low, starts):
+    """Count a sample in the place behind its network's in `starts`; returns that place and, << 16,
+    how many were counted there before.
+    """
+    slot = np.uint32(min(max(network - low + 1, 0), np.int32(len(starts) - 1)))
+    before = starts[slot]
+    starts[slot] = before + 1
+    return np.int32(slot) | (before << 16)
+
+
+@vividc.kernel(
+    "void(float32[:, ::1], float32[::1], int32[::1], float32[::1], float32[::1], int32[::1],"
+    " int32[::1], int32, int32, int32[::1], int32[::1], int32[::1], float32[:, ::1])"
+)
+def group_samples(
+    directions, entries, items, geometry, box, grid, networks, known, low,
+    chosen, starts, places, local,
+):  # fmt: skip
+    """Counting sort of the samples of a piece by network, those without one (-1) first; stable.
+
+    Samples are `items` along a block's rays, as in marching.py. `local` gets their places in their
+    networks' cells, -1 to 1, in the order of networks, and `places` where in it each sample is. The
+    network of each of the `grid`'s cells is in `networks`; or that of each sample is `known`,
+    in `chosen`.
+
+    Only samples of the networks `low`, `low` + 1, ... are placed, as many networks as `starts` has
+    elements but two. `starts[k]` is where network `low` + k starts, its last element nothing.
+    `chosen` is room to work in.
+    """
     last = np.int32(len(starts) - 1)
     for k in range(len(starts)):
         starts[k] = 0
-    for i in range(points.shape[0]):
-        starts[np.uint32(min(max(chosen[i] - low + 1, 0), last))] += 1
+    if known == 0:
+        for i in range(len(items)):
+            point = point_of(items[i], directions, entries, geometry)
+            network = networks[np.uint32(number_of(point, box, grid))]
+            chosen[i] = counted(network, low, starts)
+    else:
+        for i in range(len(items)):
+            chosen[i] = counted(chosen[i], low, starts)
     total = np.int32(0)
     for k in range(len(starts)):
         total += starts[k]
         starts[k] = total
-        cursors[k] = total
+    for i in range(len(items)):
+        slot = np.int32(chosen[i] & 0xFFFF)
+        if slot > 0 and slot < last:
+            x, y, z = point_of(items[i], directions, entries, geometry)
+            place = np.uint32(starts[np.uint32(slot - 1)] + (chosen[i] >> 16))
+            places[i] = np.int32(place)
+            x, cell_x = in_cells(x, box, 0, grid[0])
+            y, cell_y = in_cells(y, box, 1, grid[1])
+            z, cell_z = in_cells(z, box, 2, grid[2])
+            local[place, 0] = (x - np.float32(cell_x)) * TWO - ONE
+            local[place, 1] = (y - np.float32(cell_y)) * TWO - ONE
+            local[place, 2] = (z - np.float32(cell_z)) * TWO - ONE
 
 
 @vividc.kernel(
-    "void(float32[:, ::1], float32[::1], int32[::1], int32[::1], int32, int32, int32, int32[::1],"
-    " int32[::1], int32[::1], int32[::1], float32[:, ::1])"
+    "void(int32[::1], int32[::1], int32[::1], int32, int32, int32[::1], int32[::1], int32[::1],"
+    " int32[::1], int32[::1])"
 )
-def group_places(
-    points, box, grid, networks, known, low, first, chosen, starts, cursors, places, local
+def group_survivors(
+    items, places, starts, first_ray, first_row, marks, kept_starts, kept_places, rows, rays
 ):
-    """Counting sort of a chunk's samples by network, those without one (-1) first; stable.
+    """Those samples of a piece that survive in the order of networks that `group_samples` gave all.
 
-    `local` gets their places in their networks' cells, -1 to 1, in that order, and `places` where
-    each sample went, counted from `first`. The network of each of the `grid`'s cells is in
-    `networks`; or each point's is `known`, in `chosen`.
-
-    Only samples of the networks `low`, `low` + 1, ... are placed, as many networks as `starts` has
-    elements but two. `starts[k]` is where network `low` + k starts, its last element nothing.
-    `chosen` and `cursors` are room to work in.
+    `items` has the place of each in the piece, << 22. `kept_starts` and `kept_places` are of them
+    what `starts` and `places` are of all; `rows` are their places among all, counted from
+    `first_row`, and `rays` their rays, from `first_ray`, in the order of networks. `marks` is room
+    to work in: an element more than there are samples.
     """
-    count_networks(points, box, grid, networks, known, low, chosen, starts, cursors)
-    last = np.int32(len(starts) - 1)
-    for i in range(points.shape[0]):
-        slot = chosen[i] - low
-        x, cx = in_cells(points, box, i, 0, grid[0])
-        y, cy = in_cells(points, box, i, 1, grid[1])
-        z, cz = in_cells(points, box, i, 2, grid[2])
-        if slot >= 0 and slot < last - 1:
-            place = np.uint32(cursors[slot])
-            cursors[slot] = np.int32(place) + 1
-            places[i] = first + np.int32(place)
-            local[place, 0] = (x - np.float32(cx)) * TWO - ONE
-            local[place, 1] = (y - np.float32(cy)) * TWO - ONE
-            local[place, 2] = (z - np.float32(cz)) * TWO - ONE
-
-
-@vividc.kernel(
-    "void(float32[:, ::1], float32[::1], int32[::1], int32[::1], int32, int32, int32, int32[::1],"
-    " int32[::1], int32[::1], int32[::1], int32[::1], int32[::1], int32[::1], int32[::1])"
-)
-def group_numbers(
-    points, box, grid, networks, known, low, first, chosen, starts, cursors, places,
-    rows, rays, sorted_rows, sorted_rays,
-):  # fmt: skip
-    """As `group_places`, of two numbers of each sample."""
-    count_networks(points, box, grid, networks, known, low, chosen, starts, cursors)
-    last = np.int32(len(starts) - 1)
-    for i in range(points.shape[0]):
-        slot = chosen[i] - low
-        if slot >= 0 and slot < last - 1:
-            place = np.uint32(cursors[slot])
-            cursors[slot] = np.int32(place) + 1
-            places[i] = first + np.int32(place)
-            sorted_rows[place] = rows[i]
-            sorted_rays[place] = rays[i]
-
-
-@vividc.kernel("void(float32[:, ::1], int32[::1], int32, float32[:, ::1])")
-def ungroup(grouped, places, first, out):
-    """A chunk's rows where they were: each from its place, counted from `first`."""
-    for column in range(out.shape[1]):
-        for i in range(out.shape[0]):
-            out[i, column] = grouped[np.uint32(places[i] - first), column]
+    for place in range(len(marks)):
+        marks[place] = 0
+    for survivor in range(len(items)):
+        sample = np.uint32(items[survivor]) >> PLACE
+        marks[np.uint32(places[sample])] = np.int32(survivor + 1)
+    found = np.int32(0)
+    for place in range(len(marks)):
+        mark = marks[place]
+        marks[place] = found
+        if mark != 0:
+            survivor = np.uint32(mark - 1)
+            kept_places[survivor] = found
+            rows[np.uint32(found)] = np.int32(first_row + place)
+            rays[np.uint32(found)] = first_ray + np.int32(ray_of(items[survivor]))
+            found = np.int32(found + 1)
+    for k in range(len(starts)):
+        kept_starts[k] = marks[np.uint32(starts[k])]
 
 
 @numba.njit

@@ -2,9 +2,9 @@
 
 A word holds four inputs of a sample or four weights of a neuron, and one operation adds their four
 products. A chunk of inputs is eight words of each sample, sample after sample; a layer has one or
-two. It takes 64 words of weights at a time, which stay where they are used while all samples come
-by. `weights` has the words of each neuron, and after those of four or eight neurons (of the last
-layer: of one) their biases.
+two. It takes those of eight neurons' weights at a time, which stay where they are used while all
+samples come by. `weights` has the words of each neuron, and after those of eight neurons (of the
+last layer: of one) their biases.
 """
 
 import math
@@ -23,10 +23,10 @@ C2, C4, C6 = (np.float32(x) for x in (-1 / 2, 1 / 24, -1 / 720))
 C8, C10 = (np.float32(x) for x in (1 / 40320, -1 / 3628800))
 LARGEST = np.float32(80.0)
 CHUNK = 8
-FOUR_NEURONS = 4 * (2 * CHUNK + 1)
+EIGHT_OF_BOTH = 8 * (2 * CHUNK + 1)
 EIGHT_NEURONS = 8 * (CHUNK + 1)
 NEURON = CHUNK + 1
-SECOND = 8 * FOUR_NEURONS
+SECOND = 4 * EIGHT_OF_BOTH
 THIRD = SECOND + 4 * EIGHT_NEURONS
 LAST = THIRD + 4 * EIGHT_NEURONS
 LOWEST = np.uint32(0xFEFEFEFE)
@@ -170,34 +170,44 @@ def one_chunk_layer(x, weights, first, samples, y, lowest):
 
 
 @numba.njit
-def with_both(total, x0, x1, w0, w1):
-    """As `with_chunk`, of two chunks."""
-    return with_chunk(with_chunk(total, x0, w0), x1, w1)
+def two_neurons(weights, first):
+    """Words of two neurons with two chunks of inputs."""
+    return (
+        words(weights, first),
+        words(weights, first + np.uint32(8)),
+        words(weights, first + np.uint32(16)),
+        words(weights, first + np.uint32(24)),
+    )
+
+
+@numba.njit
+def four_results(bias, x0, x1, w, v):
+    """A word of the results of four neurons with two chunks of inputs, cut at 0: `w` has the words
+    of two of them, `v` those of the others.
+    """
+    results = pack_fp8(
+        with_chunk(with_chunk(bitcast_f32(bias[0]), x0, w[0]), x1, w[1]),
+        with_chunk(with_chunk(bitcast_f32(bias[1]), x0, w[2]), x1, w[3]),
+        with_chunk(with_chunk(bitcast_f32(bias[2]), x0, v[0]), x1, v[1]),
+        with_chunk(with_chunk(bitcast_f32(bias[3]), x0, v[2]), x1, v[3]),
+    )
+    return max_fp8(results, np.uint32(0))
 
 
 @numba.njit
 def two_chunk_layer(low, high, weights, first, samples, y):
-    """A layer of 32 neurons with two chunks of inputs, four neurons at a time, cut at 0."""
-    for block in range(8):
-        v = np.uint32(first + FOUR_NEURONS * block)
-        w0, w1 = words(weights, v), words(weights, v + np.uint32(8))
-        w2, w3 = words(weights, v + np.uint32(16)), words(weights, v + np.uint32(24))
-        w4, w5 = words(weights, v + np.uint32(32)), words(weights, v + np.uint32(40))
-        w6, w7 = words(weights, v + np.uint32(48)), words(weights, v + np.uint32(56))
-        b0 = bitcast_f32(weights[v + np.uint32(64)])
-        b1 = bitcast_f32(weights[v + np.uint32(65)])
-        b2 = bitcast_f32(weights[v + np.uint32(66)])
-        b3 = bitcast_f32(weights[v + np.uint32(67)])
+    """A layer of 32 neurons with two chunks of inputs, eight neurons at a time, cut at 0."""
+    for block in range(4):
+        v = np.uint32(first + EIGHT_OF_BOTH * block)
+        w0, w1 = two_neurons(weights, v), two_neurons(weights, v + np.uint32(32))
+        w2, w3 = two_neurons(weights, v + np.uint32(64)), two_neurons(weights, v + np.uint32(96))
+        b = words(weights, v + np.uint32(128))
         for sample in range(samples):
-            x0 = words(low, np.uint32(CHUNK * sample))
-            x1 = words(high, np.uint32(CHUNK * sample))
-            results = pack_fp8(
-                with_both(b0, x0, x1, w0, w1),
-                with_both(b1, x0, x1, w2, w3),
-                with_both(b2, x0, x1, w4, w5),
-                with_both(b3, x0, x1, w6, w7),
-            )
-            y[np.uint32(CHUNK * sample + block)] = max_fp8(results, np.uint32(0))
+            q = np.uint32(CHUNK * sample)
+            p = np.uint32(CHUNK * sample + 2 * block)
+            x0, x1 = words(low, q), words(high, q)
+            y[p] = four_results((b[0], b[1], b[2], b[3]), x0, x1, w0, w1)
+            y[p + np.uint32(1)] = four_results((b[4], b[5], b[6], b[7]), x0, x1, w2, w3)
 
 
 @numba.njit

@@ -248,6 +248,37 @@ def keep_rows(rows, items, shift, out):
         out[word] = rows[np.uint32(row << np.uint32(shift)) + within]
 
 
+@numba.njit
+def begin(left, goes_on):
+    """Let all light pass before the first samples of a block."""
+    if goes_on == 0:
+        for ray in range(len(left)):
+            left[ray] = ONE
+
+
+@numba.njit
+def list_sample(
+    sample, thickness, items, first_sample, limits, keep_all, left, kept, kept_items, weights,
+    listed,
+):  # fmt: skip
+    """List a sample of some thickness if it counts, as `transmittance` says; returns how many are
+    listed then.
+    """
+    ray = ray_of(items[sample])
+    light = left[ray]
+    alpha = ONE - math.exp(-thickness)
+    weight = light * alpha
+    counts = light >= limits[0] and weight > limits[1]
+    if counts or keep_all != 0:
+        place = np.uint32(listed)
+        kept[place] = first_sample + sample
+        kept_items[place] = items[sample] | np.int32(np.uint32(sample) << PLACE)
+        weights[place] = weight if counts else ZERO
+        listed = np.int32(listed + 1)
+    left[ray] = light * (ONE - alpha)
+    return listed
+
+
 @vividc.kernel(
     "int32(float32[::1], int32[::1], int32, int32, float32[::1], int32, float32[::1], int32[::1],"
     " int32[::1], float32[::1])"
@@ -262,24 +293,65 @@ def transmittance(
     where a sample does not count; there are at most 1024. `left` is what passes all samples of a
     ray; with `goes_on` it holds what passes those before. Returns how many are listed.
     """
-    if goes_on == 0:
-        for ray in range(len(left)):
-            left[ray] = ONE
+    begin(left, goes_on)
     listed = np.int32(0)
     for sample in range(len(thickness)):
-        ray = ray_of(items[sample])
-        light = left[ray]
-        alpha = ONE - math.exp(-thickness[sample])
-        weight = light * alpha
-        counts = light >= limits[0] and weight > limits[1]
-        if counts or keep_all != 0:
-            place = np.uint32(listed)
-            kept[place] = first_sample + sample
-            kept_items[place] = items[sample] | np.int32(np.uint32(sample) << PLACE)
-            weights[place] = weight if counts else ZERO
-            listed = np.int32(listed + 1)
-        left[ray] = light * (ONE - alpha)
+        listed = list_sample(
+            *(sample, thickness[sample], items, first_sample, limits, keep_all, left),
+            *(kept, kept_items, weights, listed),
+        )
     return listed
+
+
+@vividc.kernel(
+    "int32(float32[::1], int32[::1], int32[::1], int32, int32, float32[::1], int32, float32[::1],"
+    " int32[::1], int32[::1], float32[::1])"
+)
+def transmittance_in_groups(
+    thickness, places, items, goes_on, first_sample, limits, keep_all, left, kept, kept_items,
+    weights,
+):  # fmt: skip
+    """As `transmittance`, of samples whose thickness is at `places`."""
+    begin(left, goes_on)
+    listed = np.int32(0)
+    for sample in range(len(thickness)):
+        listed = list_sample(
+            *(sample, thickness[np.uint32(places[sample])], items, first_sample, limits, keep_all),
+            *(left, kept, kept_items, weights, listed),
+        )
+    return listed
+
+
+@numba.njit
+def begin_sums(left, goes_on, out):
+    """Zeros, and the light behind all samples."""
+    if goes_on == 0:
+        for ray in range(len(left)):
+            out[ray, 0] = ZERO
+            out[ray, 1] = ZERO
+            out[ray, 2] = ZERO
+            out[ray, 3] = left[ray]
+
+
+@numba.njit
+def add_colour(item, weight, colours, place, out):
+    """Add what a sample emits to its ray's sums, which are read before one of them is written."""
+    ray = ray_of(item)
+    red, green, blue = out[ray, 0], out[ray, 1], out[ray, 2]
+    out[ray, 0] = red + weight * colours[place, 0]
+    out[ray, 1] = green + weight * colours[place, 1]
+    out[ray, 2] = blue + weight * colours[place, 2]
+
+
+@numba.njit
+def put_over_white(left, is_last, out):
+    """Add the light of a white background, behind a block's last samples."""
+    if is_last != 0:
+        for ray in range(len(left)):
+            red, green, blue, light = out[ray, 0], out[ray, 1], out[ray, 2], out[ray, 3]
+            out[ray, 0] = red + light
+            out[ray, 1] = green + light
+            out[ray, 2] = blue + light
 
 
 @vividc.kernel(
@@ -290,19 +362,19 @@ def accumulate(weights, items, colours, left, goes_on, is_last, out):
 
     With `goes_on`, `out` holds the sums of the samples before; with `is_last` it is put over white.
     """
-    if goes_on == 0:
-        for ray in range(len(left)):
-            out[ray, 0] = ZERO
-            out[ray, 1] = ZERO
-            out[ray, 2] = ZERO
-            out[ray, 3] = left[ray]
+    begin_sums(left, goes_on, out)
     for sample in range(len(weights)):
-        ray = ray_of(items[sample])
-        out[ray, 0] += weights[sample] * colours[sample, 0]
-        out[ray, 1] += weights[sample] * colours[sample, 1]
-        out[ray, 2] += weights[sample] * colours[sample, 2]
-    if is_last != 0:
-        for ray in range(len(left)):
-            out[ray, 0] += out[ray, 3]
-            out[ray, 1] += out[ray, 3]
-            out[ray, 2] += out[ray, 3]
+        add_colour(items[sample], weights[sample], colours, sample, out)
+    put_over_white(left, is_last, out)
+
+
+@vividc.kernel(
+    "void(float32[::1], int32[::1], int32[::1], float32[:, ::1], float32[::1], int32, int32,"
+    " float32[:, ::1])"
+)
+def accumulate_in_groups(weights, items, places, colours, left, goes_on, is_last, out):
+    """As `accumulate`, of samples whose colours are at `places`."""
+    begin_sums(left, goes_on, out)
+    for sample in range(len(weights)):
+        add_colour(items[sample], weights[sample], colours, np.uint32(places[sample]), out)
+    put_over_white(left, is_last, out)

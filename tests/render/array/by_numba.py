@@ -78,6 +78,8 @@ def _launched(host: Host, function: KernelFunction, launch: Launch) -> int:
         listed = given[name]
         rows = some.table[listed[1 : 1 + min(listed[0], some.most)]].view(np.uint32).ravel()
         listed[some.first : some.first + len(rows)] = rows
+    for name, array in launch.carried.items():
+        given[name] = array.reshape(-1) if flat[name] else array
     value = function(*(given[name] for name in flat))
     for name, array in launch.outputs.items():
         if isinstance(array, np.ndarray):
@@ -101,17 +103,6 @@ def _take(room: np.ndarray, moves: Sequence[Move]) -> None:
 
 def _rows(array: np.ndarray | Gathered) -> np.ndarray:
     return array.table[array.indices] if isinstance(array, Gathered) else array
-
-
-def launches_by_numba(
-    host: Host,
-    ledger: Ledger,
-    stage: str,
-    kernel: str,
-    launches: Sequence[Launch],
-    **options: object,
-) -> list[int]:
-    return launch_by_numba(host, ledger, stage, kernel, [launches])[0]
 
 
 def gather_by_numba(

@@ -9,7 +9,7 @@ from tests.render.array.by_numba import Host, launch_by_numba
 from vividc.render.array import Ledger
 from vividc.render.array.device import launches
 from vividc.render.array.march.kept import KeptSamples
-from vividc.render.array.march.pieces import RAYS, Rays, Survivors
+from vividc.render.array.pieces import RAYS, Rays, Survivors
 
 KERNEL = "render/instant_ngp:colour_inputs_fp8"
 

@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tests.render.array.by_numba import Host, launches_by_numba, samples_of
+from tests.render.array.by_numba import Host, launch_by_numba, samples_of
 from vividc.errors import ArgumentError
 from vividc.render import SceneError, psnr, read_scene, read_views, render_reference, scaled_camera
 from vividc.render.array import ArrayOptions, Ledger, open_device, render_array
+from vividc.render.array.device import launches
 from vividc.render.array.device.programs import kernel_folder, kernel_module
-from vividc.render.array.models import kilonerf
-from vividc.render.array.models.kilonerf import (
-    CHUNK,
-    KiloNeRFOnArray,
-    by_coordinate,
-    parts_of,
-    pieces_of,
-)
+from vividc.render.array.march.kept import KeptSamples, ListedSamples
+from vividc.render.array.models.grouping import Grouping, parts_of, runs_of
+from vividc.render.array.models.kilonerf import KiloNeRFOnArray, by_coordinate
 from vividc.render.array.models.kilonerf_fp8 import Fp8KiloNeRF
+from vividc.render.array.pieces import RAYS, Piece, Rays, Survivors, survivors_of
 from vividc.render.radiance import KiloNeRF
 from vividc.render.radiance.kilonerf import positional_encoding
 from vividc.render.radiance.layers import linear
@@ -36,68 +34,102 @@ def model() -> KiloNeRF:
 
 
 GRID = np.array([2, 3, 4], np.int32)
-BOX = np.array([-1, -1, -1, 2, 2, 2], np.float32)
+BOX = np.array([-1, -1, -1, *GRID / 2], np.float32)
+"""Lowest corner, and cells a unit."""
+GEOMETRY = np.array([0, 0, 0, *[0] * 11, 0.25, 4], np.float32)
+"""Rays begin in the middle of the box, and have steps of 1/4."""
 
 
 class _Group:
-    """A chunk of 50 points that kernels sort, the first of them number 100."""
+    """A piece of 50 samples that kernels sort, on as many rays of 64 in random directions."""
 
     def __init__(self, known: bool) -> None:
         rng = np.random.default_rng(5)
-        self.points = rng.uniform(-1, 1, (50, 3)).astype(np.float32)
+        directions = rng.standard_normal((64, 3))
+        self.directions = (directions / np.linalg.norm(directions, axis=1)[:, None]).astype("f4")
+        self.entries = rng.uniform(0, 0.4, 64).astype(np.float32)
+        rays, steps = rng.permutation(64)[:50].astype(np.int32), rng.integers(0, 2, 50)
+        self.items = (rays << 16 | steps).astype(np.int32)
+        t = self.entries[rays] + (steps + 0.5) / 4
+        self.points = self.directions[rays] * t[:, None]
         table = rng.integers(-1, 7, 24).astype(np.int32)
         self.cells = np.floor((self.points + 1) / 2 * GRID).astype(np.int32)
         self.networks = table[np.ravel_multi_index(tuple(self.cells.T), tuple(GRID))]
-        self.chosen = self.networks.copy() if known else np.zeros(50, np.int32)
         self.known, self.table = int(known), np.zeros(1, np.int32) if known else table
         self.places, self.local = np.zeros(50, np.int32), np.zeros((50, 3), np.float32)
-        self.rows, self.rays = np.zeros((2, 50), np.int32)
         self.order = np.argsort(self.networks, kind="stable")
 
-    def sort(self, low: int, count: int, numbers: bool = False) -> list[tuple[int, int, int]]:
-        starts, cursors = np.zeros((2, count + 2), np.int32)
-        given = (BOX, GRID, self.table, self.known, low, 100, self.chosen, starts, cursors)
-        if numbers:
-            one, two = np.arange(50, dtype=np.int32), np.arange(200, 250, dtype=np.int32)
-            arrays = (self.places, one, two, self.rows, self.rays)
-            KERNELS.group_numbers(self.points, *given, *arrays)
-        else:
-            KERNELS.group_places(self.points, *given, self.places, self.local)
-        return list(pieces_of(starts[None, :], low))
+    def sort(self, low: int, count: int) -> np.ndarray:
+        starts, chosen = np.zeros(count + 2, np.int32), np.zeros(50, np.int32)
+        KERNELS.group_samples(
+            *(self.directions, self.entries, self.items, GEOMETRY, BOX, GRID, self.table),
+            *(self.known, low, self.networks.copy() if self.known else chosen),
+            *(starts, self.places, self.local),
+        )
+        return starts
+
+    def runs(self, low: int, count: int) -> list[tuple[int, int, int]]:
+        return list(runs_of(self.sort(low, count)[None, :], [0], low))
 
 
 @pytest.mark.parametrize("known", [False, True])
 def test_samples_are_sorted_by_network(known: bool) -> None:
     group = _Group(known)
-    pieces = group.sort(-1, 8)
-    np.testing.assert_array_equal(group.places[group.order], np.arange(100, 150))
+    runs = group.runs(-1, 8)
+    np.testing.assert_array_equal(group.places[group.order], np.arange(50))
     local = (group.points + 1) * GRID - 2 * group.cells - 1
     np.testing.assert_allclose(group.local, local[group.order], atol=1e-5)
-    assert sum(count for _, _, count in pieces) == (group.networks >= 0).sum()
-    for network, first, count in pieces:
+    assert sum(count for _, _, count in runs) == (group.networks >= 0).sum()
+    for network, first, count in runs:
         assert (group.networks[group.order[first : first + count]] == network).all()
-    assert group.sort(-1, 8, numbers=True) == pieces
-    np.testing.assert_array_equal(group.places[group.order], np.arange(100, 150))
-    np.testing.assert_array_equal(group.rows, group.order)
-    np.testing.assert_array_equal(group.rays, 200 + group.order)
-    out = np.zeros((50, 3), np.float32)
-    KERNELS.ungroup(group.local, group.places, 100, out)
-    np.testing.assert_allclose(out, local, atol=1e-5)
 
 
 def test_networks_are_sorted_a_range_after_the_other() -> None:
     group = _Group(known=False)
-    pieces = [one for given in ((-1, 3), (2, 4), (6, 1)) for one in group.sort(*given)]
-    np.testing.assert_array_equal(group.places[group.order], np.arange(100, 150))
-    assert {network for network, _, _ in pieces} == set(group.networks[group.networks >= 0])
-    assert sum(count for _, _, count in pieces) == (group.networks >= 0).sum()
+    runs = [one for given in ((-1, 3), (2, 4), (6, 1)) for one in group.runs(*given)]
+    np.testing.assert_array_equal(group.places[group.order], np.arange(50))
+    assert {network for network, _, _ in runs} == set(group.networks[group.networks >= 0])
+    assert sum(count for _, _, count in runs) == (group.networks >= 0).sum()
 
 
-def test_pieces_of_several_chunks() -> None:
-    starts = np.array([[0, 0, CHUNK, CHUNK], [0, 3, 3, 3]], np.int32)  # one network
-    assert list(pieces_of(starts, -1)) == [(0, 0, CHUNK)]
-    assert list(pieces_of(np.array([[0, 2, 2, 5, 9]], np.int32), -1)) == [(1, 2, 3)]
-    assert list(pieces_of(np.array([[4, 6, 7]], np.int32), 30)) == [(30, 4, 2)]
+@pytest.mark.parametrize("count", [0, 1, 20, 50])
+def test_survivors_keep_the_order_of_networks(count: int) -> None:
+    group = _Group(known=False)
+    starts = group.sort(-1, 8)
+    chosen = np.sort(np.random.default_rng(count).choice(50, count, replace=False))
+    items = (chosen.astype(np.uint32) << 22).view(np.int32) | group.items[chosen]
+    kept_starts, places, rows, rays = (
+        np.full(n, -1, np.int32) for n in (len(starts), count, count, count)
+    )
+    KERNELS.group_survivors(
+        *(items, group.places, starts, 640, 1000, np.ones(51, np.int32)),
+        *(kept_starts, places, rows, rays),
+    )
+    order = np.argsort(group.places[chosen])
+    np.testing.assert_array_equal(places[order], np.arange(count))
+    np.testing.assert_array_equal(rows, 1000 + group.places[chosen][order])
+    np.testing.assert_array_equal(rays, 640 + (group.items[chosen][order] >> 16))
+    for network, first, number in runs_of(kept_starts[None, :], [0], -1):
+        assert (group.networks[chosen[order[first : first + number]]] == network).all()
+    assert kept_starts[-1] == count
+
+
+def test_runs_of_several_pieces() -> None:
+    starts = np.array([[0, 0, 300, 300], [0, 3, 3, 3]], np.int32)  # one network
+    assert list(runs_of(starts, [0, 300], -1)) == [(0, 0, 300)]
+    assert list(runs_of(np.array([[0, 2, 2, 5, 9]], np.int32), [40], -1)) == [(1, 42, 3)]
+    assert list(runs_of(np.array([[4, 6, 7]], np.int32), [0], 30)) == [(30, 4, 2)]
+
+
+def test_a_scratchpad_counts_all_networks_or_ranges_of_them(model: KiloNeRF) -> None:
+    """Of 274 and of 3,288 networks; pieces have room for what each launch holds."""
+    few = Grouping(model, Host())  # type: ignore[arg-type]
+    assert [low for low, _ in few._ranges] == [-1]
+    many = replace(model, weights=tuple(np.repeat(w, 12, axis=0) for w in model.weights))
+    grouping = Grouping(many, Host())  # type: ignore[arg-type]
+    assert grouping.most_samples < few.most_samples
+    assert len(grouping._ranges) > 1
+    assert sum(count for _, count in grouping._ranges) == 12 * len(model.weights[0]) + 1
 
 
 def test_samples_of_several_chunks_share_a_launch() -> None:
@@ -109,26 +141,67 @@ def test_samples_of_several_chunks_share_a_launch() -> None:
     assert [len(move.array) for move in parts[1].moves(table)] == [5, 3]
 
 
+def _one_a_ray(points: np.ndarray) -> tuple[Rays, list[Piece]]:
+    """Rays from the middle of the world, blocks of 64 each of which meets one point."""
+    count = len(points)
+    distance = np.linalg.norm(points, axis=1)
+    directions = np.zeros((-(-count // RAYS) * RAYS, 3), np.float32)
+    entries = np.zeros(len(directions), np.float32)
+    directions[:count] = points / distance[:, None]
+    entries[:count] = distance - 0.5
+    rays = Rays(directions, entries, np.zeros(len(directions), np.uint32))
+    items = np.arange(count, dtype=np.int32) % RAYS << 16
+    firsts = range(0, count, RAYS)
+    return rays, [Piece(first, 0, True, first, items[first : first + RAYS]) for first in firsts]
+
+
+def _survivors(pieces: list[Piece], chosen: np.ndarray) -> list[Survivors]:
+    """Those samples of pieces that are chosen, in rising order."""
+    numbers = [chosen[(chosen >= p.first) & (chosen < p.first + RAYS)] for p in pieces]
+    within = [n.astype(np.uint32) - p.first for p, n in zip(pieces, numbers, strict=True)]
+    items = [p.items[w] | (w << 22).view(np.int32) for p, w in zip(pieces, within, strict=True)]
+    counts = [len(some) for some in items]
+    every = np.concatenate([np.pad(some, (0, RAYS - len(some))) for some in items])
+    none = np.zeros(len(every), np.int32)
+    return list(survivors_of(pieces, counts, every, none, none.astype(np.float32)))
+
+
 @pytest.mark.slow  # numba takes its time for the networks
 @pytest.mark.parametrize("make", [KiloNeRFOnArray, Fp8KiloNeRF])
 def test_fields_are_near_the_reference(
     model: KiloNeRF, make: type[KiloNeRFOnArray], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(kilonerf, "run_launches", launches_by_numba)
-    points, directions = samples_of(model.march, 500)
-    rays = np.arange(500, dtype=np.int32)[::-1].copy()
-    field = make(model, Host())  # type: ignore[arg-type]
-    thickness, features = field.density(points, Ledger())
-    colour = field.colour(points, features, rays, directions, Ledger())
+    monkeypatch.setattr(launches, "run_shares", launch_by_numba)
+    points, _ = samples_of(model.march, 500)
+    rays, pieces = _one_a_ray(points)
+    geometry = np.zeros(16, np.float32)
+    geometry[14] = 1
+    host = Host()
+    field = make(model, host)  # type: ignore[arg-type]
+    listed = ListedSamples(host, Ledger(), geometry, rays, pieces)  # type: ignore[arg-type]
+    found = field.densities(listed, Ledger())
+    assert found.places is not None
+    thickness = found.thickness[_in_batch(found.places, pieces)]
     exact, exact_features = model.density(points, linear)
-    truth = model.colour(points, exact_features, directions[rays], linear)
+    seen = rays.directions[: len(points)]
+    truth = model.colour(points, exact_features, seen, linear)
     bound = 1e-4 if make is KiloNeRFOnArray else 0.3
     assert np.abs(np.exp(-thickness) - np.exp(-exact)).mean() < bound / 4
-    assert np.abs(colour - truth).mean() < bound / 4
-    assert np.abs(colour - truth).max() < bound
-    some = np.sort(np.random.default_rng(9).choice(500, 100, replace=False))
-    part = field.colour(points[some], features[some], rays[some], directions, Ledger())
-    np.testing.assert_array_equal(part, colour[some])
+    colours = []
+    for chosen in (np.arange(500), np.sort(np.random.default_rng(9).choice(500, 100, False))):
+        some = _survivors(pieces, chosen)
+        given = (host, Ledger(), geometry, rays, some, found.features, True)
+        rgb = field.colours(KeptSamples(*given), Ledger())  # type: ignore[arg-type]
+        assert rgb.places is not None
+        colours.append(np.concatenate(rgb.of_pieces)[_in_batch(rgb.places, some)])
+        assert np.abs(colours[-1] - truth[chosen]).mean() < bound / 4
+        assert np.abs(colours[-1] - truth[chosen]).max() < bound
+        np.testing.assert_array_equal(colours[-1], colours[0][chosen])
+
+
+def _in_batch(places: np.ndarray, pieces: Sequence[Piece]) -> np.ndarray:
+    """Places among all samples."""
+    return np.concatenate([piece.first + places[piece.samples] for piece in pieces])
 
 
 @pytest.mark.slow
@@ -153,7 +226,7 @@ def test_a_grid_that_fits_no_scratchpad_finds_its_networks(model: KiloNeRF) -> N
     large = replace(model, network=grid)
     box = model.march.box
     points = np.random.default_rng(3).uniform(box[0], box[1], (1500, 3)).astype(np.float32)
-    networks = KiloNeRFOnArray(large, open_device("vivid"))._numbers(points, Ledger())
+    networks = Grouping(large, open_device("vivid"))._numbers(points, Ledger())
     np.testing.assert_array_equal(networks, large.cells_of(points)[0])
 
 

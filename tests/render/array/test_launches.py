@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -66,6 +67,42 @@ def test_launches_of_one_group_stay_on_a_tile() -> None:
     same = [launch(x[0], y, shared=True) for _ in range(5)]
     assert dealt(same, 2) == [[0, 2, 4], [1, 3]]
     assert sorted(n for share in dealt(launches, 5) for n in share) == list(range(6))
+
+
+def test_launches_that_carry_something_on_stay_on_a_tile_in_their_order() -> None:
+    y, sums = np.zeros(4, np.float32), [np.zeros(4, np.float32) for _ in range(2)]
+    launches = [replace(launch(y, y), carried={"x": sums[i]}) for i in (0, 0, 0, 0, 0, 1)]
+    assert dealt(launches, 4) == [[0, 1, 2, 3, 4], [5], [], []]
+    assert dealt(launches[:5], 4) == [[0, 1, 2, 3, 4], [], [], []]
+
+
+def test_sums_are_carried_on_and_leave_after_the_last_launch(device: Device) -> None:
+    """Of 20 blocks of 64 rays, up to four launches each: so many that tiles change blocks."""
+    rng = np.random.default_rng(8)
+    left, out = rng.random((20, 64), dtype=np.float32), np.zeros((20, 64, 4), np.float32)
+    expected = np.concatenate((np.zeros((20, 64, 3)), left[:, :, None]), axis=2)
+    launches, before = [], list(zip(left, out, strict=True))
+    for block, (light, sums) in enumerate(before):
+        parts = 1 + block % 4
+        for part in range(parts):
+            count = int(rng.integers(1, 30))
+            rays = rng.integers(0, 64, count).astype(np.int32)
+            weights, colours = rng.random(count, np.float32), rng.random((count, 3), np.float32)
+            np.add.at(expected[block, :, :3], rays, weights[:, None] * colours)
+            launches.append(
+                Launch(
+                    inputs={"weights": weights, "items": rays << 16, "colours": colours},
+                    shared={"left": light},
+                    carried={"out": sums},
+                    scalars={"goes_on": int(part > 0), "is_last": int(part == parts - 1)},
+                )
+            )
+    expected[:, :, :3] += left[:, :, None]
+    ledger = Ledger()
+    run_launches(device, ledger, "test", "render/marching:accumulate", launches)
+    np.testing.assert_allclose(out, expected, rtol=1e-5)
+    moved = ledger.stages["test"].stats[0]["bytes"]
+    assert moved["scratchpad_out"] == out.nbytes
 
 
 def test_what_does_not_fit_is_told_with_its_sizes(device: Device) -> None:

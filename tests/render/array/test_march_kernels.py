@@ -131,8 +131,11 @@ def test_rows_that_survive_are_copied(width: int) -> None:
     np.testing.assert_array_equal(out.reshape(4, width), rows[places])
 
 
-def test_pieces_give_what_the_whole_gives() -> None:
-    """Light and colour of a block's samples, in one launch and in three."""
+@pytest.mark.parametrize("grouped", [False, True])
+def test_pieces_give_what_the_whole_gives(grouped: bool) -> None:
+    """Light and colour of a block's samples, in one launch and in three; and of samples that lie
+    in another order in each.
+    """
     rng = np.random.default_rng(3)
     march, camera = dense_march(3), Camera(np.eye(4, dtype=np.float32), 20.0, 8, 8)
     items = Marched(march, camera).items
@@ -148,18 +151,27 @@ def test_pieces_give_what_the_whole_gives() -> None:
             count = last - first
             numbers, chosen = np.zeros((2, count), np.int32)
             weights = np.zeros(count, np.float32)
-            listed = KERNELS.transmittance(
-                *(thickness[first:last], items[first:last], int(first > 0), first, limits, 0),
-                *(left, numbers, chosen, weights),
-            )
+            there, order = thickness[first:last], rng.permutation(count).astype(np.int32)
+            rest = (items[first:last], int(first > 0), first, limits, 0)
+            if grouped:
+                mixed = np.empty_like(there)
+                mixed[order] = there
+                kernel, given = KERNELS.transmittance_in_groups, (mixed, order, *rest)
+            else:
+                kernel, given = KERNELS.transmittance, (there, *rest)
+            listed = kernel(*given, left, numbers, chosen, weights)
             places = chosen[:listed].view(np.uint32) >> 22
             np.testing.assert_array_equal(places, numbers[:listed] - first)
             kept.append((numbers[:listed], chosen[:listed], weights[:listed]))
         for number, (numbers, chosen, weights) in enumerate(kept):
-            KERNELS.accumulate(
-                *(weights, chosen, colours[numbers], left),
-                *(int(number > 0), int(number == len(kept) - 1), out),
-            )
+            rest = (left, int(number > 0), int(number == len(kept) - 1), out)
+            order = rng.permutation(len(numbers)).astype(np.int32)
+            if grouped:
+                mixed = np.empty((len(numbers), 3), np.float32)
+                mixed[order] = colours[numbers]
+                KERNELS.accumulate_in_groups(weights, chosen, order, mixed, *rest)
+            else:
+                KERNELS.accumulate(weights, chosen, colours[numbers], *rest)
         numbers, chosen, weights = map(np.concatenate, zip(*kept, strict=True))
         np.testing.assert_array_equal(chosen & 0x3FFFFF, items[numbers])
         results.append((numbers, weights, left, out))

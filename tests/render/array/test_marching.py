@@ -16,8 +16,9 @@ from vividc.render.array import ArrayOptions, Device, Ledger
 from vividc.render.array.device import launches
 from vividc.render.array.march import kept
 from vividc.render.array.march.batches import render_blocks
-from vividc.render.array.march.depths import SIDE, block_corners
-from vividc.render.array.models.field import ModelField
+from vividc.render.array.march.depths import block_corners
+from vividc.render.array.models.field import PointField
+from vividc.render.array.pieces import SIDE
 from vividc.render.array.sampling import expected_samples, pixels_of, sampled
 from vividc.render.radiance import (
     KiloNeRF,
@@ -33,7 +34,7 @@ from vividc.render.splat.blend_reference import over_background
 MIC = Path(__file__).parents[3] / "scenes" / "mic"
 
 
-class HostField(ModelField):
+class HostField(PointField):
     """A reference model as an `ArrayField`."""
 
     def __init__(self, model: RadianceField, march: March | None = None) -> None:

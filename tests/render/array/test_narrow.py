@@ -155,7 +155,7 @@ def test_narrow_fields_are_near_the_reference(
     thickness, features = field.density(points, Ledger())
     exact, exact_features = model.density(points, linear)
     rays = np.arange(200, dtype=np.int32)
-    (colour,) = field.colours(HostKept(points, features, rays, directions), Ledger())
+    (colour,) = field.colours(HostKept(points, features, rays, directions), Ledger()).of_pieces
     truth = model.colour(points, exact_features, directions, linear)
     bound = {"fp16": 2e-3, "fp8": 0.12}[precision]
     assert np.abs(colour - truth).mean() < bound / 4
@@ -165,7 +165,7 @@ def test_narrow_fields_are_near_the_reference(
     fewer, fewer_features = field.density(points[some], Ledger())
     np.testing.assert_array_equal(fewer, thickness[some])
     less = HostKept(points[some], fewer_features, rays[some], directions)
-    (part,) = field.colours(less, Ledger())
+    (part,) = field.colours(less, Ledger()).of_pieces
     np.testing.assert_array_equal(part, colour[some])
 
 
@@ -183,7 +183,7 @@ def test_features_that_fill_no_words_are_filled_up(host: Host) -> None:
     field = InstantNGPField(odd, host, "fp8")
     rays = np.arange(40, dtype=np.int32)
     kept = HostKept(points, field.density(points, ledger)[1], rays, directions)
-    (found,) = field.colours(kept, ledger)
+    (found,) = field.colours(kept, ledger).of_pieces
     assert np.abs(found - exact).max() < 0.12
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vividc.render.array.march.pieces import RAYS, pieces_of, survivors_of, total
+from vividc.render.array.pieces import RAYS, pieces_of, survivors_of, total
 
 
 def test_pieces_are_no_longer_than_asked_for_and_in_order() -> None:

@@ -10,7 +10,7 @@ from vividc.render.array.device.device import open_device
 from vividc.render.array.device.frame import ArrayFrame, Ledger
 from vividc.render.array.march.batches import render_blocks
 from vividc.render.array.march.crew import Work
-from vividc.render.array.march.depths import SIDE, block_corners
+from vividc.render.array.march.depths import block_corners
 from vividc.render.array.march.fields import open_field
 from vividc.render.array.options import (
     NETWORK_MODES,
@@ -18,6 +18,7 @@ from vividc.render.array.options import (
     ArrayOptions,
     RenderPrecision,
 )
+from vividc.render.array.pieces import SIDE
 from vividc.render.array.sampling import expected_samples, pixels_of, sampled
 from vividc.render.array.splats.frame import render_splats
 from vividc.render.arrays import Int32Array

@@ -97,6 +97,9 @@ class Launch:
         Arrays that stay in the scratchpad while the next launches of the tile name the same ones.
     fetched
         Rows that the kernel asks for, by parameter.
+    carried
+        Arrays that launches in a row, which name the same ones, hand on to each other. They stay in
+        a scratchpad, hold nothing before the first of these launches, and leave after the last.
     work
         Arrays that hold nothing when the kernel starts or ends, by parameter.
     scalars
@@ -110,13 +113,14 @@ class Launch:
     outputs: Mapping[str, Words | Sequence[Move]] = field(default_factory=dict)
     shared: Mapping[str, Words] = field(default_factory=dict)
     fetched: Mapping[str, Fetched] = field(default_factory=dict)
+    carried: Mapping[str, Words] = field(default_factory=dict)
     work: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     scalars: Mapping[str, object] = field(default_factory=dict)
     cost: float = 1.0
 
     @property
     def sizes(self) -> dict[str, int]:
-        """Bytes of each array that is neither shared nor work."""
+        """Bytes of each array that is neither held nor work."""
         rows = {name: some.shape for name, some in self.fetched.items()}
         sizes = {name: WORD_BYTES * math.prod(s) for name, s in (rows | {**self.shapes}).items()}
         sizes |= {name: array.nbytes for name, array in self._whole()}
@@ -125,14 +129,19 @@ class Launch:
     @property
     def all_shapes(self) -> dict[str, tuple[int, ...]]:
         """Of each array."""
-        whole = (*self._whole(), *self.shared.items())
+        whole = (*self._whole(), *self.held.items())
         shapes = {name: array.shape for name, array in (*whole, *self.fetched.items())}
         return {**shapes, **self.shapes, **self.work}
 
     @property
     def group(self) -> tuple[int, ...]:
-        """A key that is equal for launches with the same shared arrays."""
-        return tuple(map(id, self.shared.values()))
+        """A key that is equal for launches with the same held arrays."""
+        return tuple(map(id, self.held.values()))
+
+    @property
+    def held(self) -> dict[str, Words]:
+        """Arrays that stay in a scratchpad from launch to launch."""
+        return {**self.shared, **self.carried}
 
     def _whole(self) -> Iterator[tuple[str, Words | Gathered]]:
         for name, array in (*self.inputs.items(), *self.outputs.items()):
@@ -205,16 +214,17 @@ def run_shares(
 def dealt(launches: Sequence[Launch], tiles: int) -> list[list[int]]:
     """Deal launches to tiles: the costliest group first, each to the tile with the least to do.
 
-    A group is launches in a row that share arrays which others do not; one of more than a tile's
-    even share is cut.
+    A group is launches in a row that hold arrays which others do not; one of more than a tile's
+    even share is cut, if nothing is carried on.
     """
     even = sum(launch.cost for launch in launches) / tiles
     keys = [launch.group for launch in launches]
-    is_grouped = len(set(keys)) > 1
+    is_grouped = len(set(keys)) > 1 or any(launch.carried for launch in launches)
     groups: list[list[int]] = []
     load, last = 0.0, None
     for number, (launch, key) in enumerate(zip(launches, keys, strict=True)):
-        if not is_grouped or key != last or load + launch.cost > even:
+        is_full = load + launch.cost > even and not launch.carried
+        if not is_grouped or key != last or is_full:
             groups.append([])
             load = 0.0
         groups[-1].append(number)
@@ -224,8 +234,8 @@ def dealt(launches: Sequence[Launch], tiles: int) -> list[list[int]]:
 
 
 class Places:
-    """Where a tile's arrays lie: shared ones first, once or twice, then the others, likewise, and
-    work arrays, once.
+    """Where a tile's arrays lie: those that are held first, once or twice, then the others,
+    likewise, and work arrays, once.
     """
 
     def __init__(self, program: vividc.Program, share: Sequence[Launch], room: int) -> None:
@@ -233,7 +243,7 @@ class Places:
         self._count = program.fabric.scratchpad.banks
         self._line = WORD_BYTES * self._count
         own = [launch.sizes for launch in share]
-        shared = {launch.group: _sizes(launch.shared) for launch in share}
+        shared = {launch.group: _sizes(launch.held) for launch in share}
         needs = [max(self._end(sizes) for sizes in some) for some in (shared.values(), own)]
         room -= max(self._end(_bytes(launch.work)) for launch in share)
         copies = dict.fromkeys((min(few, len(shared)), many) for few, many in _COPIES)
@@ -278,6 +288,8 @@ class _Tile:
         self._flat = {parameter.name for parameter in program.params if parameter.ndim == 1}
         self._turns = Turns([tile], len(places.own))
         self._held: tuple[int, ...] | None = None
+        self._carried: Mapping[str, Words] = {}
+        self._last: list[int] = []
         self._copy = 0
         self._users: list[list[int]] = [[] for _ in places.shared]
         self._shared_at: dict[str, int] = {}
@@ -297,6 +309,7 @@ class _Tile:
                 some = launches[first : first + at_once]
                 begun = [(launch, *self._begin(launch)) for launch in some]
                 runs += [self._finish(*one) for one in begun]
+        self._let_go()
         return runs
 
     def _begin(self, launch: Launch) -> tuple[int, dict[str, int], list[int]]:
@@ -307,6 +320,8 @@ class _Tile:
         _, copy, freed = self._turns.take()
         at = self._places.addresses(launch.sizes, self._places.own[copy])
         after = [*self._moves_in(launch.inputs, at, freed), *self._ready, *freed]
+        if launch.carried:
+            after += self._last
         at |= self._shared_at
         at |= self._places.addresses(_bytes(launch.work), self._places.work)
         if not launch.fetched:
@@ -346,11 +361,12 @@ class _Tile:
         scalars = {**launch.scalars, **more}
         run = self._job.run(self._tile, self._program, after=after, **arguments, **scalars)
         self._users[self._copy].append(run)
+        self._last = [run]
         return run
 
     def shared_addresses(self, launch: Launch) -> dict[str, int]:
         """Return where the first shared arrays lie."""
-        return self._places.addresses(_sizes(launch.shared), self._places.shared[0])
+        return self._places.addresses(_sizes(launch.held), self._places.shared[0])
 
     def hold(self, launch: Launch, at: Mapping[str, int], ready: Sequence[int]) -> None:
         """Take the first shared arrays, which steps move in, as given."""
@@ -360,12 +376,23 @@ class _Tile:
         """Move in the shared arrays of a launch, if the tile does not hold them."""
         if launch.group == self._held:
             return
-        self._held = launch.group
+        self._let_go()
+        self._held, self._carried = launch.group, launch.carried
         self._copy = (self._copy + 1) % len(self._places.shared)
         start = self._places.shared[self._copy]
-        self._shared_at = self._places.addresses(_sizes(launch.shared), start)
-        self._ready = self._moves_in(launch.shared, self._shared_at, self._users[self._copy])
+        self._shared_at = self._places.addresses(_sizes(launch.held), start)
+        free = self._users[self._copy]
+        moved = self._moves_in(launch.shared, self._shared_at, free)
+        self._ready = [*moved, *free] if launch.carried else moved
         self._users[self._copy] = []
+
+    def _let_go(self) -> None:
+        """Move out what the held launches carried on."""
+        self._users[self._copy] += [
+            self._job.move_out(self._tile, self._shared_at[name], array, after=self._last)
+            for name, array in self._carried.items()
+        ]
+        self._carried = {}
 
     def _moves_in(
         self, inputs: Mapping[str, Moved], at: Mapping[str, int], after: Sequence[int]
@@ -386,7 +413,7 @@ class _Tile:
 def _hold_together(job: Job, tiles: Mapping[int, _Tile], launches: Sequence[Launch]) -> None:
     """Move in shared arrays once, to all tiles, if all launches have the same."""
     first = launches[0]
-    if not first.shared or len({launch.group for launch in launches}) > 1:
+    if first.carried or not first.shared or len({launch.group for launch in launches}) > 1:
         return
     (at,) = {tuple(tile.shared_addresses(first).items()) for tile in tiles.values()}
     ready = [job.move_in(sorted(tiles), first.shared[name], address) for name, address in at]

@@ -10,10 +10,11 @@ import numpy as np
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.march.crew import Batch, Work, share_out
-from vividc.render.array.march.depths import SIDE, Blocks, seen_blocks
+from vividc.render.array.march.depths import Blocks, seen_blocks
 from vividc.render.array.march.marching import Marcher
 from vividc.render.array.models.field import ArrayField
 from vividc.render.array.options import ArrayOptions
+from vividc.render.array.pieces import SIDE
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.camera import Camera
 

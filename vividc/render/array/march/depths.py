@@ -18,12 +18,11 @@ from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.launches import Launch, run_launches
 from vividc.render.array.march.bricks import BRICK, pack_bricks
+from vividc.render.array.pieces import SIDE
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.camera import Camera
 from vividc.render.radiance import March
 
-SIDE: Final = 8
-"""Pixels of a block's side."""
 STAGE: Final = "block depths"
 _EVERYWHERE: Final = (0.0, 3e38)
 _LIST: Final = 256

@@ -14,9 +14,9 @@ from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.gather import gather_rows
 from vividc.render.array.device.launches import Launch, run_launches
-from vividc.render.array.march.pieces import RAYS, Piece, Rays, Survivors, total
 from vividc.render.array.models.field import Features, UInt32Array
 from vividc.render.array.network.networks import SAMPLES
+from vividc.render.array.pieces import RAYS, Piece, Rays, Survivors, total
 from vividc.render.arrays import Float32Array, Int32Array
 
 KERNELS = "render/marching"
@@ -31,6 +31,22 @@ _STAGE = "compaction"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class ListedSamples:
+    """As `field.Listed` says."""
+
+    device: Device
+    ledger: Ledger
+    geometry: Float32Array
+    rays: Rays
+    pieces: Sequence[Piece]
+
+    def points(self) -> Float32Array:
+        """Return their places [n, 3]."""
+        given = (self.device, self.ledger, "ray marching", self.geometry, self.rays, self.pieces)
+        return points_of(*given, with_rays=False)[0]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class KeptSamples:
     """As `field.Kept` says.
 
@@ -40,8 +56,8 @@ class KeptSamples:
         The kernels' table.
     rays
         Of the batch.
-    survivors
-        Of all pieces; some have none.
+    pieces
+        Some have no samples.
     computed
         [m, F] features of all samples.
     lookahead
@@ -52,7 +68,7 @@ class KeptSamples:
     ledger: Ledger
     geometry: Float32Array
     rays: Rays
-    survivors: Sequence[Survivors]
+    pieces: Sequence[Survivors]
     computed: Features
     lookahead: bool
 
@@ -64,24 +80,24 @@ class KeptSamples:
     @property
     def lengths(self) -> list[int]:
         """How many samples each piece has."""
-        return [len(piece.items) for piece in self.survivors]
+        return [len(piece.items) for piece in self.pieces]
 
     def points(self) -> tuple[Float32Array, Int32Array]:
         """Return their places [n, 3] and rays [n]."""
-        pieces = (self.rays, self.survivors)
-        return points_of(self.device, self.ledger, _STAGE, self.geometry, *pieces, with_rays=True)
+        given = (self.device, self.ledger, _STAGE, self.geometry, self.rays, self.pieces)
+        return points_of(*given, with_rays=True)
 
     def features(self) -> Features:
         """Return their features [n, F]."""
         computed = self.computed
         width = computed.shape[1]
         if not self.lookahead or not width:
-            return computed[: total(self.survivors)]
+            return computed[: total(self.pieces)]
         if not is_narrow(computed):
-            rows = [piece.numbers for piece in self.survivors]
+            rows = [piece.numbers for piece in self.pieces]
             return gather_rows(self.device, self.ledger, _STAGE, computed, rows)
         words = computed.view(np.uint32)
-        kept = np.zeros((total(self.survivors), width), dtype=np.uint32)
+        kept = np.zeros((total(self.pieces), width), dtype=np.uint32)
         launches = [
             Launch(
                 inputs={"rows": words[piece.places].reshape(-1), "items": piece.items},
@@ -89,7 +105,7 @@ class KeptSamples:
                 scalars={"shift": width.bit_length() - 1},
                 cost=len(piece.items) + LAUNCH_COST,
             )
-            for piece in self.survivors
+            for piece in self.pieces
             if len(piece.items)
         ]
         run_kernel(self.device, self.ledger, _STAGE, "keep_rows", launches)
@@ -102,7 +118,7 @@ class KeptSamples:
         out = np.zeros((count, words, SAMPLES), dtype=np.uint32)
         at_once = self._blocks_at_once(rows.shape[1], words)
         launches = []
-        for piece, (first, last) in zip(self.survivors, places, strict=True):
+        for piece, (first, last) in zip(self.pieces, places, strict=True):
             shared = {"rows": rows[piece.places], "of_rays": of_rays[piece.rays]}
             for start in range(first, last, at_once):
                 end = min(start + at_once, last)
@@ -120,9 +136,7 @@ class KeptSamples:
 
     def _blocks_at_once(self, width: int, words: int) -> int:
         """Return how many blocks fit twice beside the rows of two pieces."""
-        most = max(
-            len(range(*piece.places.indices(len(self.computed)))) for piece in self.survivors
-        )
+        most = max(len(range(*piece.places.indices(len(self.computed)))) for piece in self.pieces)
         held = WORD_BYTES * (width * most + _RAY_WORDS * RAYS)
         own = SAMPLES * WORD_BYTES * (1 + words)
         lines = 2 * _ARRAYS * self.device.line_bytes

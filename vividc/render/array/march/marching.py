@@ -7,7 +7,7 @@ jobs, as the host of a GPU would.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -21,11 +21,13 @@ from vividc.render.array.march.kept import (
     KERNELS,
     LAUNCH_COST,
     KeptSamples,
+    ListedSamples,
     is_narrow,
-    points_of,
     run_kernel,
 )
-from vividc.render.array.march.pieces import (
+from vividc.render.array.models.field import ArrayField, Colours, Densities
+from vividc.render.array.options import ArrayOptions
+from vividc.render.array.pieces import (
     RAYS,
     Piece,
     Rays,
@@ -34,8 +36,6 @@ from vividc.render.array.march.pieces import (
     survivors_of,
     total,
 )
-from vividc.render.array.models.field import ArrayField, Features
-from vividc.render.array.options import ArrayOptions
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.camera import Camera
 from vividc.render.errors import SceneError
@@ -51,8 +51,6 @@ _SAMPLE_WORDS = 5
 """Of each sample in a launch of the kernels behind the marching one."""
 _OTHER_BYTES = 2048
 """Of the arrays in such a launch that are not by sample, and what aligning takes."""
-_ROWS_SHARE = 0.4
-"""Of a scratchpad for the rows that a field has it hold, twice."""
 _SPARE_WORDS = 128
 """For the other small arrays of the marching kernel, and what aligning them takes."""
 _MOST_STEPS = 1 << 15
@@ -90,22 +88,16 @@ class Marcher:
         rays = self._camera_rays(blocks)
         pieces = self._march(blocks, rays)
         ledger.count(density_samples=total(pieces))
-        thickness = np.zeros(0, dtype=np.float32)
-        features: Features = np.zeros((0, 0), dtype=np.float32)
+        found = Densities(np.zeros(0, np.float32), np.zeros((0, 0), np.float32))
+        given = (self._device, ledger, self._geometry, rays)
         if pieces:
-            points, _ = points_of(
-                *(self._device, self._ledger, "ray marching", self._geometry, rays, pieces),
-                with_rays=False,
-            )
-            thickness, features = self._field.density(points, ledger)
-        wide = self._lookahead and not is_narrow(features)
-        survivors, left = self._light(pieces, thickness, len(blocks) * RAYS, wide)
+            found = self._field.densities(ListedSamples(*given, pieces), ledger)
+        survivors, left = self._light(pieces, found, len(blocks) * RAYS)
         counted = sum(np.count_nonzero(piece.weights) for piece in survivors)
         ledger.count(colour_samples=total(survivors), counted_samples=int(counted))
-        colours: Sequence[Float32Array] = [np.zeros((0, 3), np.float32)] * len(survivors)
+        colours = Colours([np.zeros((0, 3), np.float32)] * len(survivors))
         if total(survivors):
-            given = (self._geometry, rays, survivors, features, self._lookahead)
-            kept = KeptSamples(self._device, ledger, *given)
+            kept = KeptSamples(*given, survivors, found.features, self._lookahead)
             colours = self._field.colours(kept, ledger)
         return self._accumulate(survivors, colours, left).reshape(-1, RAYS, 4)
 
@@ -177,33 +169,34 @@ class Marcher:
         )
 
     def _light(
-        self, pieces: Sequence[Piece], thickness: Float32Array, rays: int, with_numbers: bool
+        self, pieces: Sequence[Piece], found: Densities, rays: int
     ) -> tuple[list[Survivors], Float32Array]:
         """Return the samples whose colour is computed, and the light behind all samples [rays].
 
         Their numbers are left in the scratchpads if nobody asks for them.
         """
+        thickness, places = found.thickness, found.places
+        with_numbers = self._lookahead and not is_narrow(found.features)
         items, numbers = np.zeros((2, len(thickness)), dtype=np.int32)
         weights = np.zeros_like(thickness)
         left = np.ones(rays, dtype=np.float32)
 
-        def launch(number: int) -> Launch:
-            piece = pieces[number]
-            of_rays = {"left": left[piece.rays]}
-            return Launch(
+        of_blocks = list(left.reshape(-1, RAYS))  # launches of a block name the same array
+        launches = [
+            Launch(
                 inputs={
                     "thickness": thickness[piece.samples],
+                    **({} if places is None else {"places": places[piece.samples]}),
                     "items": piece.items,
-                    **(of_rays if piece.turn else {}),
                 },
                 outputs={
-                    **of_rays,
                     **({"kept": numbers[piece.samples]} if with_numbers else {}),
                     "kept_items": items[piece.samples],
                     "weights": weights[piece.samples],
                 },
                 work={} if with_numbers else {"kept": (len(piece.items),)},
                 shared={"limits": self._limits},
+                carried={"left": of_blocks[piece.first_ray // RAYS]},
                 scalars={
                     "goes_on": int(piece.turn > 0),
                     "first_sample": piece.first,
@@ -211,54 +204,37 @@ class Marcher:
                 },
                 cost=len(piece.items) + LAUNCH_COST,
             )
-
-        counts = self._in_turns("transmittance", "transmittance", pieces, launch)
+            for piece in pieces
+        ]
+        counts = self._run("transmittance", _in_order("transmittance", places), launches)
         return list(survivors_of(pieces, counts, items, numbers, weights)), left
 
     def _accumulate(
-        self, survivors: Sequence[Survivors], colours: Sequence[Float32Array], left: Float32Array
+        self, survivors: Sequence[Survivors], colours: Colours, left: Float32Array
     ) -> Float32Array:
-        """Return r, g, b over white and transmittance of each ray [n, 4], of each piece's colours
-        [n, 3].
-        """
+        """Return r, g, b over white and transmittance of each ray [n, 4]."""
+        places = colours.places
         out = np.ones((len(left), 4), dtype=np.float32)
-
-        def launch(number: int) -> Launch:
-            piece = survivors[number]
-            of_rays = {"out": out[piece.rays]}
-            return Launch(
-                inputs={
-                    "weights": piece.weights,
-                    "items": piece.items,
-                    "colours": colours[number],
-                    "left": left[piece.rays],
-                    **(of_rays if piece.turn else {}),
-                },
-                outputs=of_rays,
-                scalars={"goes_on": int(piece.turn > 0), "is_last": int(piece.is_last)},
-                cost=len(piece.items) + LAUNCH_COST,
+        of_blocks = list(zip(left.reshape(-1, RAYS), out.reshape(-1, RAYS, 4), strict=True))
+        launches = []
+        for piece, rgb in zip(survivors, colours.of_pieces, strict=True):
+            light, sums = of_blocks[piece.first_ray // RAYS]
+            launches.append(
+                Launch(
+                    inputs={
+                        "weights": piece.weights,
+                        "items": piece.items,
+                        **({} if places is None else {"places": places[piece.samples]}),
+                        "colours": rgb,
+                    },
+                    shared={"left": light},
+                    carried={"out": sums},
+                    scalars={"goes_on": int(piece.turn > 0), "is_last": int(piece.is_last)},
+                    cost=len(piece.items) + LAUNCH_COST,
+                )
             )
-
-        self._in_turns("accumulation", "accumulate", survivors, launch)
+        self._run("accumulation", _in_order("accumulate", places), launches)
         return out
-
-    def _in_turns(
-        self,
-        stage: str,
-        kernel: str,
-        pieces: Sequence[Piece],
-        launch: Callable[[int], Launch],
-    ) -> list[int]:
-        """Run a launch for each piece, by its number, behind that of the piece before it, and
-        return what each returned.
-        """
-        returned = [0] * len(pieces)
-        for turn in range(1 + max((piece.turn for piece in pieces), default=-1)):
-            numbers = [number for number, piece in enumerate(pieces) if piece.turn == turn]
-            values = self._run(stage, kernel, [launch(number) for number in numbers])
-            for number, value in zip(numbers, values, strict=True):
-                returned[number] = value
-        return returned
 
     def _run(self, stage: str, kernel: str, launches: Sequence[Launch]) -> list[int]:
         return run_kernel(self._device, self._ledger, stage, kernel, launches)
@@ -275,8 +251,12 @@ def parts_of(march: March, blocks: Blocks, at_once: int) -> list[int]:
 def _samples_at_once(device: Device, field: ArrayField) -> int:
     """Return how many samples a launch behind the marching one has room for."""
     words = (device.scratchpad_bytes - _OTHER_BYTES) // WORD_BYTES
-    held = _ROWS_SHARE * words / max(field.held_words, 1)
-    return min(_SAMPLES_AT_ONCE, words // _SAMPLE_WORDS, int(held))
+    return min(_SAMPLES_AT_ONCE, words // _SAMPLE_WORDS, field.most_samples)
+
+
+def _in_order(kernel: str, places: Int32Array | None) -> str:
+    """Return the name of a kernel over samples that are in order, or at `places`."""
+    return kernel if places is None else f"{kernel}_in_groups"
 
 
 def geometry_of(march: March, camera: Camera) -> Float32Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import accumulate, pairwise
 from typing import Protocol, TypeAlias
 
@@ -11,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from vividc.render.array.device.frame import Ledger
+from vividc.render.array.pieces import Piece, Rays, Survivors
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.radiance.volume import Sampled
 
@@ -19,8 +21,62 @@ Features: TypeAlias = npt.NDArray[np.float32 | np.uint32]
 UInt32Array: TypeAlias = npt.NDArray[np.uint32]
 
 
+class Listed(Protocol):
+    """The samples whose density is wanted, in pieces; jobs make what is asked for of them."""
+
+    @property
+    def geometry(self) -> Float32Array:
+        """The table that kernels/render/marching.py calls so."""
+        ...
+
+    @property
+    def rays(self) -> Rays:
+        """Of the batch."""
+        ...
+
+    @property
+    def pieces(self) -> Sequence[Piece]:
+        """Which they are."""
+        ...
+
+    def points(self) -> Float32Array:
+        """Return their places [n, 3]."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Densities:
+    """What samples have.
+
+    Attributes
+    ----------
+    thickness, features
+        [n] optical thickness of one step, and [n, F]; both are C-contiguous. What features mean is
+        the field's own affair, `Kept.features` gives rows of them.
+    places
+        [n] where each sample's are, counted from its piece's first; None: in the samples' order.
+    """
+
+    thickness: Float32Array
+    features: Features
+    places: Int32Array | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Colours:
+    """r, g, b [n, 3] of each piece's samples, and `places` as of `Densities`."""
+
+    of_pieces: Sequence[Float32Array]
+    places: Int32Array | None = None
+
+
 class Kept(Protocol):
     """The samples whose colour is wanted, in pieces; jobs make what is asked for of them."""
+
+    @property
+    def pieces(self) -> Sequence[Survivors]:
+        """Which they are."""
+        ...
 
     @property
     def directions(self) -> Float32Array:
@@ -37,7 +93,7 @@ class Kept(Protocol):
         ...
 
     def features(self) -> Features:
-        """Return their features [n, F], as `density` returned them."""
+        """Return their features [n, F], as `densities` returned them."""
         ...
 
     def in_blocks(self, kernel: str, of_rays: UInt32Array, words: int) -> UInt32Array:
@@ -61,41 +117,50 @@ class ArrayField(Sampled, Protocol):
     same to the last bit with and without lookahead.
     """
 
-    held_words: int
-    """Of a sample in what `Kept.in_blocks` holds of a piece: its features, or 0: it is not used."""
+    most_samples: int
+    """Of a piece: its launches hold what they have by sample in a scratchpad."""
 
-    def density(self, points: Float32Array, ledger: Ledger) -> tuple[Float32Array, Features]:
-        """Return optical thickness [n] of one step at `points` [n, 3], and features [n, F].
-
-        Both are C-contiguous; what features mean is the field's own affair, `colour` gets rows of
-        them.
+    def densities(self, listed: Listed, ledger: Ledger) -> Densities:
+        """Return what samples have.
 
         Jobs are booked in `ledger` under the names of their stages.
         """
         ...
 
-    def colours(self, kept: Kept, ledger: Ledger) -> Sequence[Float32Array]:
-        """Return r, g, b [n, 3] of each piece's samples."""
+    def colours(self, kept: Kept, ledger: Ledger) -> Colours:
+        """Return the colours of samples, `densities` of which it returned before."""
         ...
 
 
 class ModelField:
-    """What an `ArrayField` takes from its model as it is, and how it asks for samples."""
+    """What an `ArrayField` takes from its model as it is."""
 
-    held_words = 0
+    most_samples = 1 << 10
 
     def __init__(self, model: Sampled) -> None:
         self.march = model.march
         self.weight_min = model.weight_min
         self.transmittance_min = model.transmittance_min
 
-    def colours(self, kept: Kept, ledger: Ledger) -> Sequence[Float32Array]:
-        """Return r, g, b [n, 3] of each piece's samples."""
+
+class PointField(ModelField):
+    """A field that asks for points and their rays, and gives back what they have in their order."""
+
+    def densities(self, listed: Listed, ledger: Ledger) -> Densities:
+        """Return what samples have, in their order."""
+        return Densities(*self.density(listed.points(), ledger))
+
+    def colours(self, kept: Kept, ledger: Ledger) -> Colours:
+        """Return the colours of samples, in their order."""
         features = kept.features()
         points, rays = kept.points()
         rgb = self.colour(points, features, rays, kept.directions, ledger)
         bounds = accumulate(kept.lengths, initial=0)
-        return [rgb[first:last] for first, last in pairwise(bounds)]
+        return Colours([rgb[first:last] for first, last in pairwise(bounds)])
+
+    @abstractmethod
+    def density(self, points: Float32Array, ledger: Ledger) -> tuple[Float32Array, Features]:
+        """Return optical thickness [n] of one step at `points` [n, 3], and features [n, F]."""
 
     @abstractmethod
     def colour(

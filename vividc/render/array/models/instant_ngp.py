@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from itertools import accumulate
 from typing import Final
 
 import numpy as np
 
+from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.block_map import BlockMap
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.gather import gather_rows
 from vividc.render.array.device.launches import Words
-from vividc.render.array.models.field import Features, Kept, ModelField, UInt32Array
+from vividc.render.array.models.field import (
+    Colours,
+    Features,
+    Kept,
+    PointField,
+    UInt32Array,
+)
 from vividc.render.array.models.hash_encoding import hash_encoding
 from vividc.render.array.network.calibration import largest_inputs
 from vividc.render.array.network.narrow import network
@@ -31,12 +38,14 @@ from vividc.render.radiance.instant_ngp import DIRECTION_TERMS
 
 _BATCH: Final = 131_072
 """Samples that go through the stages together; a multiple of a block's."""
+_ROWS_SHARE: Final = 0.375
+"""Of a scratchpad for a piece's features, which it holds twice."""
 _CHANNELS: Final = 3
 _LANES: Final = 4
 """Numbers of float8 in a word."""
 
 
-class InstantNGPField(ModelField):
+class InstantNGPField(PointField):
     """`ArrayField` of an Instant-NGP model: hash encoding, density and colour networks.
 
     Parameters
@@ -81,7 +90,9 @@ class InstantNGPField(ModelField):
         ]
         self._colour_network = network(colour_layers, precision, _of(largest, "rgb"))
         self._features = last.shape[1]
-        self.held_words = self._features // _LANES if self._is_fp8 else 0
+        if self._is_fp8:
+            words = device.scratchpad_bytes // WORD_BYTES
+            self.most_samples = int(_ROWS_SHARE * words) // (self._features // _LANES)
         for net in (self._density_network, self._colour_network):
             net.check(device)
 
@@ -97,7 +108,7 @@ class InstantNGPField(ModelField):
         words = features.reshape(-1, width)[:count]
         return thickness.reshape(-1)[:count], words.view(np.uint32) if self._is_fp8 else words
 
-    def colours(self, kept: Kept, ledger: Ledger) -> Sequence[Float32Array]:
+    def colours(self, kept: Kept, ledger: Ledger) -> Colours:
         """Return r, g, b [n, 3] of each piece's samples."""
         if not self._is_fp8:
             return super().colours(kept, ledger)
@@ -110,7 +121,8 @@ class InstantNGPField(ModelField):
             net.colours(self._device, ledger, inputs[place].view(np.float32), rgb[place])
         rows = rgb.reshape(-1, _CHANNELS)
         firsts = accumulate((-(-n // SAMPLES) * SAMPLES for n in kept.lengths), initial=0)
-        return [rows[first : first + n] for first, n in zip(firsts, kept.lengths, strict=False)]
+        of_pieces = zip(firsts, kept.lengths, strict=False)
+        return Colours([rows[first : first + n] for first, n in of_pieces])
 
     def colour(
         self,

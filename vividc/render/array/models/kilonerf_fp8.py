@@ -9,7 +9,8 @@ import numpy as np
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.launches import Launch
-from vividc.render.array.models.kilonerf import KiloNeRFOnArray, Part
+from vividc.render.array.models.grouping import Part
+from vividc.render.array.models.kilonerf import KiloNeRFOnArray
 from vividc.render.array.models.kilonerf_words import CHUNK_WORDS, WIDTH, fp8_words
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.errors import SceneError

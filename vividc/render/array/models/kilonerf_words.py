@@ -87,7 +87,7 @@ def fp8_words(model: KiloNeRF) -> Fp8Words:
     direction = in_words(by_direction, _DIRECTION_FREQUENCIES)
     return Fp8Words(
         _joined(
-            _layer(_scaled(position, s1), _scaled(b1[:, None], s1), 4),
+            _layer(_scaled(position, s1), _scaled(b1[:, None], s1), 8),
             _layer(_scaled(w2, s2 - s1), _scaled(b2[:, None], s2), 8),
             _layer(_scaled(w3[:, :, 1:], s3 - s2), _scaled(b3[:, None, 1:], s3), 8),
             _layer(_scaled(w3[:, :, :1], density - s2), _scaled(b3[:, None, :1], density), 1),
@@ -96,7 +96,7 @@ def fp8_words(model: KiloNeRF) -> Fp8Words:
             _layer(
                 np.concatenate((_scaled(by_feature, s4 - s3), _scaled(direction, s4)), axis=1),
                 _scaled(b4[:, None], s4),
-                4,
+                8,
             ),
             _layer(_scaled(w5, colour - s4), _scaled(b5[:, None], colour), 1),
         ),

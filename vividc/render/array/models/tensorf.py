@@ -12,7 +12,7 @@ from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.gather import gather_rows
 from vividc.render.array.models.factors import CHANNELS, channel_pairs, factor_grid
-from vividc.render.array.models.field import Features, ModelField
+from vividc.render.array.models.field import Features, PointField
 from vividc.render.array.network.calibration import largest_inputs
 from vividc.render.array.network.narrow import network
 from vividc.render.array.network.networks import SAMPLES, batches, dense_layer, room_for
@@ -27,7 +27,7 @@ _CHANNELS: Final = 3
 _FEATURES: Final = 27
 
 
-class TensoRFField(ModelField):
+class TensoRFField(PointField):
     """`ArrayField` of a TensoRF model: factors, and the colour network.
 
     Parameters

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
-from vividc.render.array.march.depths import SIDE
 from vividc.render.arrays import Float32Array, Int32Array
 
-RAYS = SIDE * SIDE
+SIDE: Final = 8
+"""Pixels of a block's side."""
+RAYS: Final = SIDE * SIDE
 
 
 @dataclass(frozen=True, slots=True, eq=False)
