@@ -50,7 +50,7 @@ from vividc.frontend import KernelFunction, LLKernel
 from vividc.frontend.like import Like
 from vividc.gemm.kernels.choice import AUTO, GPU, check_kernel_mode
 from vividc.host import compiled_files, time_limit, watch
-from vividc.host.watch import is_watched, run_passes, timed, watched
+from vividc.host.watch import is_watched, run_passes, seldom, timed, watched
 from vividc.machine.parallel import Parallel
 from vividc.mapper import EffortLevel, check_effort, check_time_limit
 from vividc.mapper.deadline import limited
@@ -183,7 +183,8 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
         precision=parse_precision(precision),
     )
     grace_s = _GRACE_S + _GRACE_SHARE * time_limit_s
-    with time_limit.limited(time_limit_s, kernel.name, kernel.loc, grace_s=grace_s) as limit:
+    name, loc = kernel.name, kernel.loc
+    with seldom(), time_limit.limited(time_limit_s, name, loc, grace_s=grace_s) as limit:
         program = _compiled(kernel, loaded, options, mode, cache)
     texts = [f"{kernel.loc}: {what} took too long and {CUT_SHORT}" for what in limit.cut]
     for text in texts:

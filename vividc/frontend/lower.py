@@ -25,7 +25,7 @@ from vividc.frontend.numba.target import NumbaModule, numba_module
 from vividc.frontend.refused.diagnose import behind, construct_at, diagnose, returned_at
 from vividc.frontend.refused.length import refuse_long, refuse_long_code
 from vividc.frontend.stages import SIMPLIFYING, TIDYING, without_pointers
-from vividc.host.watch import aside, run_passes, watched
+from vividc.host.watch import aside, run_passes, seldom, watched
 from vividc.lang.numba_words import is_numbas, plain
 from vividc.machine.params import WIDE_DTYPES, DType, Param
 from vividc.ssa.check import check_function
@@ -59,6 +59,7 @@ _SATURATED = (
 )
 
 
+@seldom()
 def lower(
     py_func: Callable[..., object],
     name: str,

@@ -2,7 +2,8 @@
 
 In order: `lazy` (packages that load what is used), `once` (what is computed once for an object),
 `lifeline` (helper processes end with the process that started them), `time_limit`, `watch` (passes
-as lists, and who looks on), `progress` (what long work shows); `store` and `cache` (entries in a
-folder of the user's own), `compiled_files`; `machine_code/` (compiled inner loops); `files`,
-`inputs` and `npz` (how a user's files are read and written); `html`, `plot/` (pictures as data).
+as lists, who looks on, and garbage), `progress` (what long work shows); `store` and `cache`
+(entries in a folder of the user's own), `compiled_files`; `machine_code/` (compiled inner loops);
+`files`, `inputs` and `npz` (how a user's files are read and written); `html`, `plot/` (pictures as
+data).
 """

@@ -1,4 +1,5 @@
-"""Passes as lists of functions, an observer of what each one leaves, and whom to tell.
+"""Passes as lists of functions, an observer of what each one leaves, whom to tell, and how often
+garbage is looked for meanwhile.
 
 Nobody looks unless asked (`vividc compile --print-after`): what is only tried, such as the
 estimates behind a choice, is `aside`.
@@ -6,13 +7,15 @@ estimates behind a choice, is `aside`.
 
 from __future__ import annotations
 
+import gc
+import threading
 import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import Final, TypeVar
 
 from vividc.errors import VividcWarning
 
@@ -116,3 +119,32 @@ def run_passes(passes: Iterable[Callable[[_IR], _IR]], given: _IR) -> _IR:
 
 def _after(one: Callable[[_IR], _IR], given: _IR) -> _IR:
     return watched(name_of(one), lambda: one(given))
+
+
+_SELDOM: Final = (50_000, 20, 20)
+"""What a compiler makes stays until it is done, and Python's 700 objects are a millisecond of it:
+each eighth second of a matrix product went into looks that found nothing."""
+_lock = threading.Lock()
+_inside = 0
+_before = gc.get_threshold()
+
+
+@contextmanager
+def seldom() -> Iterator[None]:
+    """Inside, garbage is looked for each 50,000 objects at most; after the last of several threads
+    or calls, as before.
+    """
+    global _inside, _before  # noqa: PLW0603 - Python has one setting a process
+    with _lock:
+        if not _inside:
+            _before = gc.get_threshold()
+            if _before[0]:  # else nobody looks at all
+                gc.set_threshold(*map(max, _before, _SELDOM))
+        _inside += 1
+    try:
+        yield
+    finally:
+        with _lock:
+            _inside -= 1
+            if not _inside:
+                gc.set_threshold(*_before)

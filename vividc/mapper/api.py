@@ -19,7 +19,7 @@ from vividc.errors import (
     printable,
     quoted,
 )
-from vividc.host.watch import to_tell
+from vividc.host.watch import seldom, to_tell
 from vividc.mapper.check.case import Violation
 from vividc.mapper.check.certificate import check_certificate
 from vividc.mapper.check.verify import violations
@@ -109,6 +109,7 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     return _about(replace(result, hurried=hurried, stats=stats), problem)
 
 
+@seldom()
 def _mapped(
     problem: MapProblem, run: Mapper, request: MapRequest, objective: str | None
 ) -> MapResult:

@@ -22,6 +22,7 @@ from vividc.compiler.planning.restructure import Restructured, restructured, res
 from vividc.compiler.planning.state import State
 from vividc.errors import TimeLimit
 from vividc.host import time_limit
+from vividc.host.watch import seldom
 from vividc.mapper.bounds.refutations import ASSUMED
 from vividc.ssa.analysis.constant_trips import constant_trips
 from vividc.ssa.analysis.frequency import expected_trips
@@ -85,6 +86,7 @@ _SHARE = 0.4
 _SHORT = "its length is unknown, and it is entered often: the rest could cost more than is gained"
 
 
+@seldom()
 def choose(
     function: Function,
     estimator: Estimator,
