@@ -105,22 +105,30 @@ def list_live(pixels, here, x, y, state, live_x, live_y, live_pixel):
 def find_survivors(splats, kept, first, last, live_x, live_y, live_pixel, steps, powers, survivors):
     """Exponents of splats kept[first] to kept[last] at each live pixel that may count; how many.
 
-    A survivor is 16 times the splat's place, and the pixel.
+    A survivor is 16 times the splat's place, and the pixel. A pixel is read once for all splats:
+    what is not read meets no other access in a bank.
     """
     count = np.int32(0)
     q = np.int32(0)
     j = first
+    x = ZERO
+    y = ZERO
+    p = 0
     for _ in range(steps):
         o = kept[j & IN_LIST] & PLACES
-        k = q & IN_BLOCK
-        dx = splats[o] - live_x[k]
-        dy = splats[o + 1] - live_y[k]
+        if j == first:
+            k = q & IN_BLOCK
+            x = live_x[k]
+            y = live_y[k]
+            p = live_pixel[k]
+        dx = splats[o] - x
+        dy = splats[o + 1] - y
         power = (
             -HALF * (splats[o + 2] * dx * dx + splats[o + 4] * dy * dy) - splats[o + 3] * dx * dy
         )
         if power >= splats[o + 6] and power <= ZERO:
             powers[count & IN_SURVIVORS] = power
-            survivors[count & IN_SURVIVORS] = 16 * o + live_pixel[k]
+            survivors[count & IN_SURVIVORS] = 16 * o + p
             count = np.int32(count + 1)
         if j == last:
             j = first
@@ -144,6 +152,12 @@ def blend_survivors(splats, powers, survivors, count, state, pixels, here):
         p = code & IN_BLOCK
         o = (code >> 4) & PLACES
         if p != before:
+            if before >= 0:
+                done = here + 4 * (before & IN_BLOCK)
+                pixels[done] = r
+                pixels[done + 1] = g
+                pixels[done + 2] = b
+                pixels[done + 3] = left
             r = state[4 * p]
             g = state[4 * p + 1]
             b = state[4 * p + 2]
@@ -163,11 +177,12 @@ def blend_survivors(splats, powers, survivors, count, state, pixels, here):
             left = t
         else:
             left = -abs(left)
-        o = here + 4 * p
-        pixels[o] = r
-        pixels[o + 1] = g
-        pixels[o + 2] = b
-        pixels[o + 3] = left
+    if before >= 0:
+        done = here + 4 * (before & IN_BLOCK)
+        pixels[done] = r
+        pixels[done + 1] = g
+        pixels[done + 2] = b
+        pixels[done + 3] = left
 
 
 @vividc.kernel(
