@@ -37,8 +37,8 @@ from numba.core.target_extension import (
 )
 from numba.np import arrayobj, npyimpl
 
-import vividc.frontend.numba.linalg
-import vividc.frontend.numba.where  # noqa: F401 - all register functions with numba
+import vividc.frontend.numba.library.linalg
+import vividc.frontend.numba.library.where  # noqa: F401 - all register functions with numba
 from vividc.frontend.llvm.passes import DATA_LAYOUT
 from vividc.frontend.numba.arrays import (
     NoRuntime,
@@ -50,11 +50,12 @@ from vividc.frontend.numba.arrays import (
 )
 from vividc.frontend.numba.division import division
 from vividc.frontend.numba.integer import integer_loops, integer_operator
+from vividc.frontend.numba.library.math import complex_power, float_loops
+from vividc.frontend.numba.library.sort import is_sort, sort
 from vividc.frontend.numba.lines import Lines
-from vividc.frontend.numba.math import complex_power, float_loops
+from vividc.frontend.numba.lists import lists_are_tuples
 from vividc.frontend.numba.prange import parallel_range
 from vividc.frontend.numba.raises import NUMPY, CallConv, model_of
-from vividc.frontend.numba.sort import is_sort, sort
 from vividc.frontend.numba.subscripts import marked_subscripts
 from vividc.frontend.numba.time import TimedTyping, ask, in_time
 
@@ -455,7 +456,8 @@ def numba_module(
         # A helper without a source file has inexact lines: that is no matter of the user's.
         warnings.simplefilter("ignore", errors.NumbaDebugInfoWarning)
         warnings.simplefilter("ignore", errors.NumbaExperimentalFeatureWarning)
-        with in_time(), _indices_are_words(), arrays_are_ours(), marked_subscripts(py_func, args):
+        ours = (_indices_are_words(), arrays_are_ours(), lists_are_tuples())
+        with in_time(), ours[0], ours[1], ours[2], marked_subscripts(py_func, args):
             result = _compile(py_func, args, return_type, model_of(None))
     texts, described = result.library.all_texts(), result.fndesc
     return NumbaModule(texts, described.llvm_func_name, result.signature.return_type)

@@ -1,0 +1,4 @@
+"""Functions of `math` and numpy that stand in for numba's on our target, written once in Python.
+
+In order: `math` (elementary functions), `linalg` (products), `where`, `sort`.
+"""
