@@ -21,7 +21,9 @@ LENGTHS = (0, 1, 2, 7, 16)
 
 
 def shifted(x, y):
-    y[:] = x + np.float32(1)
+    made = x + np.float32(1)
+    y[:] = made
+    y[:1] = made[:1]
 
 
 def best(x, y):

@@ -101,7 +101,7 @@ def passed_on(x, n):
 
 @pytest.mark.parametrize("function", [written, grown, two_types, passed_on])
 def test_lists_that_are_more_than_read_stay_lists(function: Callable[..., object]) -> None:
-    with pytest.raises(KernelError, match="a list cannot run|heap") as caught:
+    with pytest.raises(KernelError, match=r"a list cannot run|heap") as caught:
         vividc.kernel("(float32[::1], int32)")(function).lower()
     assert caught.value.hint
 

@@ -24,6 +24,7 @@ from numba.np import arraymath, arrayobj, npyimpl
 
 from vividc.frontend.llvm.calls import ALLOCATE, COPY, OVERLAP, PICK, TABLE
 from vividc.frontend.numba.lines import first_line
+from vividc.frontend.numba.loops import ufunc_loops
 from vividc.lang.formats import MISUSE
 
 _I64 = ir.IntType(64)
@@ -64,6 +65,7 @@ def arrays_are_ours() -> Iterator[None]:
         (arrayobj, "extents_may_overlap", ask_later),
         (arrayobj, "array_reshape", reshape),
         (slicing, "fix_slice", _fix_slice),
+        (npyimpl, "numpy_ufunc_kernel", ufunc_loops),
         (npyimpl._ArrayIndexingHelper, "update_indices", _update_indices),
         (lowering, "get_func_body_first_lineno", first_line),
     )

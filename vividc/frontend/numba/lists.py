@@ -57,7 +57,7 @@ class _Tuples(rewrites.Rewrite):  # type: ignore[misc]
 
 
 def _is_list(statement: Any) -> bool:
-    value = getattr(statement, "value", None)
+    value: Any = getattr(statement, "value", None)
     is_made = isinstance(statement, ir.Assign) and isinstance(value, ir.Expr)
     return is_made and value.op == "build_list" and bool(value.items)
 

@@ -48,6 +48,7 @@ from vividc.frontend.numba.arrays import (
     pick,
     reshape,
 )
+from vividc.frontend.numba.assign import assigned_in_place
 from vividc.frontend.numba.division import division
 from vividc.frontend.numba.integer import integer_loops, integer_operator
 from vividc.frontend.numba.library.math import complex_power, float_loops
@@ -425,6 +426,13 @@ def _indices_are_words() -> Iterator[None]:
         arrayobj.fix_integer_index = original
 
 
+@contextmanager
+def _in_our_way() -> Iterator[None]:
+    """What numba does otherwise in every function."""
+    with _indices_are_words(), arrays_are_ours(), lists_are_tuples():
+        yield
+
+
 def _register() -> None:
     target_registry[TARGET_NAME] = _Target
     dispatcher_registry[_Target] = _Dispatcher
@@ -456,8 +464,7 @@ def numba_module(
         # A helper without a source file has inexact lines: that is no matter of the user's.
         warnings.simplefilter("ignore", errors.NumbaDebugInfoWarning)
         warnings.simplefilter("ignore", errors.NumbaExperimentalFeatureWarning)
-        ours = (_indices_are_words(), arrays_are_ours(), lists_are_tuples())
-        with in_time(), ours[0], ours[1], ours[2], marked_subscripts(py_func, args):
+        with in_time(), _in_our_way(), marked_subscripts(py_func, args), assigned_in_place(py_func):
             result = _compile(py_func, args, return_type, model_of(None))
     texts, described = result.library.all_texts(), result.fndesc
     return NumbaModule(texts, described.llvm_func_name, result.signature.return_type)
