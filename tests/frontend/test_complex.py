@@ -186,6 +186,20 @@ def test_jit_takes_a_python_number_for_a_complex64() -> None:
         jitted.kernel(A.astype(np.complex128), M, 1j)
 
 
+def copied(a, m, c):
+    a[1:] += a[:-1]
+    m[1:, 1:] = m[:-1, :-1]
+
+
+def test_parts_that_overlap_are_copied_first() -> None:
+    kernel = lowered(copied)
+    mine, theirs = (A.copy(), M.copy()), (A.copy(), M.copy())
+    kernel(*theirs, np.complex64(1))
+    vividc.simulate(words_in_blocks(kernel.lower()), *mine, 1)
+    for one, other in zip(mine, theirs, strict=True):
+        assert np.array_equal(one, other)
+
+
 def overlapping(a, m, c):
     for i in range(1, len(a)):
         a[i] = a[i - 1] * c

@@ -32,6 +32,7 @@ _ELEMENTS |= {"int64": "i64", "uint64": "i64", "float64": "double"}
 _ELEMENTS |= {"complex64": "float", "complex128": "double"}
 _ELEMENTS |= {"int8": "i8", "uint8": "i8", "int16": "i16", "uint16": "i16"}
 _BYTES = {"i1": 1, "i8": 1, "i16": 2, "i32": 4, "float": 4, "i64": 8, "double": 8}
+_COMPLEX = {"{float,float}": "float", "{double,double}": "double"}
 _SPACED = frozenset({"i64", "double"})
 _WORD_BYTES = 4
 _SIGN = 0x80000000
@@ -168,11 +169,12 @@ def _allocated(function: Function, op: Instr, formula: Formula | None, number: i
 
 
 def _copied_element(function: Function, copy: Instr) -> str | None:
-    """Type of the elements of a temporary copy."""
+    """Type of the elements of a temporary copy, or of the parts of complex ones."""
     for block in function.blocks:
         for op in block.instrs:
-            if op.op == "getelementptr" and op.operands[0] == Ref(copy.id) and op.source in _BYTES:
-                return op.source
+            element = _COMPLEX.get(op.source, op.source)
+            if op.op == "getelementptr" and op.operands[0] == Ref(copy.id) and element in _BYTES:
+                return element
     return None
 
 
