@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from collections.abc import Mapping as ReadOnly
 from dataclasses import replace
 
 import numpy as np
@@ -93,3 +94,20 @@ def test_the_largest_loop_comes_first_where_entries_are_scarce(
     if largest_first:  # nothing that another loop holds has raised its bound
         alone = mii(all_bounds(MapProblem(large.dfg, fabric)))
         assert made[1][loops_of(kernel)[1]].lower_bound == alone
+
+
+def test_a_kernel_that_has_lost_with_its_first_loop_maps_no_other() -> None:
+    kernel, fabric, told = lower(small_before_large), machine(32), []
+    asked: list[dict[int, tuple[int, int]]] = []
+
+    def is_lost(known: ReadOnly[int, tuple[int, int]]) -> bool:
+        asked.append(dict(known))
+        return True
+
+    options = MapOptions(progress=told.append)
+    assert map_kernel(kernel, fabric, options, is_lost=is_lost) is None
+    small, large = loops_of(kernel)
+    (known,) = asked
+    assert sorted(known) == [small, large]
+    assert known[large][0] == mii(all_bounds(MapProblem(kernel.regions[large].dfg, fabric)))
+    assert {line.split(":")[0] for line in told} == {kernel.regions[small].name}

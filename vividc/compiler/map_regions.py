@@ -20,6 +20,7 @@ from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, MappingFailed, TimeLimit
 from vividc.host import time_limit
 from vividc.mapper import EffortLevel, MapProblem, MapResult, map_dfg
+from vividc.mapper.bounds.bounds import all_bounds, mii
 from vividc.mapper.bounds.straight import straight_lower_bound
 from vividc.mapper.check.verify import violations
 from vividc.mapper.deadline import Deadline, limited
@@ -139,8 +140,8 @@ def map_kernel(
         for region in kernel.regions if earlier.hopeless else ():
             if (error := earlier.hopeless.get(_unnamed(region.dfg))) is not None:
                 raise error
-        results = _map_loops(kernel, fabric, options, earlier.loops, demanded, effort)
-        if isinstance(results, Unmapped):
+        results = _map_loops(kernel, fabric, options, earlier.loops, demanded, effort, is_lost)
+        if results is None or isinstance(results, Unmapped):
             return results
         if is_lost(_least(kernel, fabric, results)):
             return None
@@ -171,6 +172,18 @@ def _least(
     """The II of each mapped loop, and the span that no mapping at this II is shorter than."""
     found = ((index, mapping_of(result).ii) for index, result in results.items())
     return {i: (ii, least_span(MapProblem(kernel.regions[i].dfg, fabric), ii)) for i, ii in found}
+
+
+def _bounds(kernel: Kernel, fabric: Fabric) -> dict[int, tuple[int, int]]:
+    """What no mapping of a loop has less of: the II, and the span at any II."""
+    found: dict[int, tuple[int, int]] = {}
+    contexts = fabric.controller.contexts
+    for index, region in enumerate(kernel.regions):
+        if region.kind == "loop":
+            problem = MapProblem(region.dfg, fabric)
+            ii = mii(all_bounds(problem))  # more than there are contexts: it runs block by block
+            found[index] = ii if ii <= contexts else 1, least_span(problem, contexts)
+    return found
 
 
 def _with_straight(
@@ -259,7 +272,11 @@ def _map_loops(
     known: dict[DFG, MapResult],
     demanded: frozenset[str],
     effort: Deadline,
-) -> dict[int, MapResult] | Unmapped:
+    is_lost: IsLost,
+) -> dict[int, MapResult] | Unmapped | None:
+    """The results of all loops; None: the kernel is of no use, as some are mapped and by the bounds
+    of the others.
+    """
     loops = _in_order(kernel, fabric)
     nodes = sum(len(region.dfg.placed) for region in kernel.regions if region.kind != "loop")
     left_s = time_limit.remaining_s()
@@ -268,6 +285,7 @@ def _map_loops(
     results: dict[int, MapResult] = {}
     done: list[tuple[DFG, Mapping]] = []
     failed: dict[str, MappingFailed | TimeLimit] = {}
+    least = _bounds(kernel, fabric)
     for number, (index, region) in enumerate(loops):
         problem = MapProblem(region.dfg, fabric, {}, residents(fabric, done))
         result: MapResult | MappingFailed | TimeLimit | None = _still_good(problem, known)
@@ -279,6 +297,9 @@ def _map_loops(
             known[_unnamed(region.dfg)] = result
             results[index] = result
             done.append((region.dfg, mapping_of(result)))
+            least |= _least(kernel, fabric, {index: result})
+            if number + 1 < len(loops) and not failed and is_lost(least):
+                return None
             continue
         failed[region.header] = result
         if region.header in demanded:
