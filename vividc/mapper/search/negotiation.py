@@ -28,6 +28,7 @@ from vividc.mapper.search.tuning import (
     SEEDED_NODES,
     SEEDS,
     SOLVED_GRAPH,
+    SOLVED_LATER,
     SOLVER_S,
     STEP,
     STEP_WITH_MOVES,
@@ -82,9 +83,11 @@ def restart_below(search: IISearch) -> None:
         next(rectangles, None)
         if not search.unfinished:
             break
-        if search.request.effort != "prove" and len(search.problem.dfg.placed) >= SOLVED_GRAPH:
+        nodes = len(search.problem.dfg.placed)
+        solved = SOLVED_LATER if turn == 1 else SOLVED_GRAPH
+        if search.request.effort != "prove" and nodes >= solved:
             continue
-        budget_s = turn * SOLVER_S / len(search.problem.dfg.placed)
+        budget_s = turn * SOLVER_S / nodes
         search.try_ii(search.open_iis()[0], search.deadline.within(budget_s))
     for _ in rectangles:
         pass

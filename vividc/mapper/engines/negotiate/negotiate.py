@@ -14,7 +14,7 @@ from vividc.mapper.check.verify import violations
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.engines.negotiate import tuning
 from vividc.mapper.engines.negotiate.anneal import State, anneal, new_heat
-from vividc.mapper.engines.negotiate.arrays import Task, build_task
+from vividc.mapper.engines.negotiate.arrays import Ints2, Task, build_task
 from vividc.mapper.engines.negotiate.frame import Frame, loose_frame
 from vividc.mapper.engines.negotiate.lockstep import Steps, first_result
 from vividc.mapper.engines.negotiate.motion import new_motion
@@ -38,7 +38,7 @@ from vividc.mapper.engines.negotiate.words import hide_all, new_words, show_all
 from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.resources.moved_words import allocate_with_moves
-from vividc.mapper.resources.mrrg import MRRG, NONE, Spot, build_mrrg
+from vividc.mapper.resources.mrrg import MRRG, NONE, Ints, Spot, build_mrrg
 from vividc.mapper.resources.registers import Lifetime, allocate
 
 
@@ -208,34 +208,72 @@ class Negotiation:
         return False
 
     def _repair(self, moves: int, deadline: Deadline) -> Steps[bool]:
-        """Move nodes with their routes, from those that are there if they crowd little, else from
-        new ones; True when nothing is crowded.
+        """Move nodes with their routes, in turns from those that are there and from new ones if
+        they crowd little, else from new ones; True when nothing is crowded.
         """
-        traffic = self.traffic
-        if not self.task.array.outputs and 0 < traffic.totals[OVER] <= tuning.FEW:
-            return (yield from self._repaired(moves, tuning.NEARLY_FREE_HEATS, deadline))
-        traffic.history[:] = 1.0
-        traffic.totals[PRESSURE] = tuning.REPAIR_PRESSURE
-        reprice_all(traffic, self.ii)
-        if route_round(self.router, True):
-            return False
+        if not self.task.array.outputs and 0 < self.traffic.totals[OVER] <= tuning.FEW:
+            return (yield from self._repair_in_turns(moves, deadline))
         heats = tuning.REPAIR_HEATS
         if self.task.array.outputs:
             heats = tuning.OUTPUT_REPAIR_HEATS
             nodes = max(tuning.OUTPUT_NODES, len(self.ids))
             moves *= max(1, tuning.OUTPUT_REPAIRS * tuning.OUTPUT_NODES // nodes)
-        return (yield from self._repaired(moves, heats, deadline))
+        return (yield from self._repaired_anew(moves, heats, deadline))
 
-    def _repaired(self, moves: int, heats: tuple[float, float], deadline: Deadline) -> Steps[bool]:
-        """Move nodes with their routes; True when nothing is crowded."""
+    def _repair_in_turns(self, moves: int, deadline: Deadline) -> Steps[bool]:
+        """Repair the same negotiated places in two ways, each with its share of the moves."""
+        began = [part.copy() for part in self._state()]
+        share = int(tuning.FEW_SHARE * moves)
+        if (yield from self._repaired(moves, tuning.NEARLY_FREE_HEATS, deadline, most=share)):
+            return True
+        if deadline.passed:
+            return False
+        for part, before in zip(self._state(), began, strict=True):
+            part[...] = before
+        return (yield from self._repaired_anew(share, tuning.REPAIR_HEATS, deadline, trades=True))
+
+    def _state(self) -> tuple[Ints | Ints2, ...]:
+        """What moves change of where nodes are."""
+        at = self.places
+        return (at.pe, at.time, at.counts, at.over, at.at, at.held, at.stored)
+
+    def _repaired_anew(
+        self,
+        moves: int,
+        heats: tuple[float, float],
+        deadline: Deadline,
+        *,
+        trades: bool = False,
+    ) -> Steps[bool]:
+        """Route everything anew, then move nodes with their routes."""
+        traffic = self.traffic
+        traffic.history[:] = 1.0
+        traffic.totals[PRESSURE] = tuning.REPAIR_PRESSURE
+        reprice_all(traffic, self.ii)
+        if route_round(self.router, True):
+            return False
+        return (yield from self._repaired(moves, heats, deadline, trades=trades))
+
+    def _repaired(
+        self,
+        moves: int,
+        heats: tuple[float, float],
+        deadline: Deadline,
+        *,
+        trades: bool = False,
+        most: int | None = None,
+    ) -> Steps[bool]:
+        """Move nodes with their routes, so as to be cold after `moves` of them, of which it makes
+        `most`; True when nothing is crowded.
+        """
         undo = new_undo(self.task, self.traffic)
         heat = new_heat(*heats, moves)
-        for done in range(0, moves, tuning.REPAIR_SLICE):
+        for done in range(0, moves if most is None else most, tuning.REPAIR_SLICE):
             crowding = int(self.traffic.totals[OVER])
             if deadline.passed or crowding == 0 or self._is_hopeless(crowding, done / moves):
                 break
             moves_now = min(tuning.REPAIR_SLICE, moves - done)
-            repair(self.router, undo, heat, moves_now)
+            repair(self.router, undo, heat, moves_now, trades)
             repair_s = tuning.OUTPUT_REPAIR_S if self.task.array.outputs else tuning.REPAIR_S
             yield self.density * moves_now * repair_s
         return bool(self.traffic.totals[OVER] == 0)

@@ -66,8 +66,12 @@ def new_undo(task: Task, traffic: Traffic) -> Undo:
 
 
 @compiled
-def repair(router: Router, undo: Undo, heat: Heat, moves: int) -> int:
-    """Make up to `moves` moves; returns how many were left when nothing was crowded any more."""
+def repair(router: Router, undo: Undo, heat: Heat, moves: int, trades: bool) -> int:
+    """Make up to `moves` moves; returns how many were left when nothing was crowded any more.
+
+    `trades`: nodes trade slots, too, where one cannot keep its own on the other's PE; of a full
+    array no node changes its slot without that.
+    """
     task, places, traffic = router.task, router.places, router.traffic
     for move in range(moves):
         if traffic.totals[OVER] == 0:
@@ -75,7 +79,7 @@ def repair(router: Router, undo: Undo, heat: Heat, moves: int) -> int:
         if move % _REFRESH == 0:
             _list_crowded(traffic, undo)
         node = _pick(task, places, undo)
-        _try_move(router, undo, node, heat)
+        _try_move(router, undo, node, heat, trades)
         heat.value[0] *= heat.cooling
     return 0
 
@@ -103,17 +107,20 @@ def _pick(task: Task, places: Places, undo: Undo) -> int:
 
 
 @inlined
-def _try_move(router: Router, undo: Undo, node: int, heat: Heat) -> None:
+def _try_move(router: Router, undo: Undo, node: int, heat: Heat, trades: bool) -> None:
     task, places, traffic = router.task, router.places, router.traffic
-    nodes = task.nodes
     old_pe, old_time = places.pe[node], places.time[node]
     pe, time = propose(task, places, node, heat.scratch)
     other = occupant(task, places, node, pe, time)
-    if other >= 0 and not nodes.can[other, old_pe]:
-        return
-    _shift(task, places, node, pe, time, other, old_pe)
+    its_time, its_new_time = old_time, old_time
+    if other >= 0:
+        its_time = places.time[other]
+        its_new_time = _new_time(task, places, node, time, other, trades)
+        if its_new_time < 0:
+            return
+    _shift(task, places, node, pe, time, other, old_pe, its_new_time)
     if not (_is_legal(task, places, node) and (other < 0 or _is_legal(task, places, other))):
-        _shift(task, places, node, old_pe, old_time, other, pe)
+        _shift(task, places, node, old_pe, old_time, other, pe, its_time)
         return
     undo.words[0] = 0
     _add_words(task, undo, node)
@@ -133,18 +140,38 @@ def _try_move(router: Router, undo: Undo, node: int, heat: Heat) -> None:
     ):
         return
     _restore(task, traffic, undo)
-    _shift(task, places, node, old_pe, old_time, other, pe)
+    _shift(task, places, node, old_pe, old_time, other, pe, its_time)
+
+
+@inlined
+def _new_time(task: Task, places: Places, node: int, time: int, other: int, trades: bool) -> int:
+    """When `other` starts on the PE of `node`, which takes its slot; negative: it cannot."""
+    nodes, pe, its_time = task.nodes, places.pe[node], places.time[other]
+    if not nodes.can[other, pe]:
+        return -1
+    third = occupant(task, places, other, pe, its_time)
+    if not trades or third == node or (third < 0 and pe != places.pe[other]):
+        return int(its_time)
+    its_time += places.time[node] - time
+    return int(its_time) if its_time <= nodes.last[other] else -1
 
 
 @inlined
 def _shift(
-    task: Task, places: Places, node: int, pe: int, time: int, other: int, other_pe: int
+    task: Task,
+    places: Places,
+    node: int,
+    pe: int,
+    time: int,
+    other: int,
+    other_pe: int,
+    other_time: int,
 ) -> None:
     nodes, array = task.nodes, task.array
     enter(nodes, array, places, node, -1)
     if other >= 0:
         enter(nodes, array, places, other, -1)
-        places.pe[other] = other_pe
+        places.pe[other], places.time[other] = other_pe, other_time
     places.pe[node], places.time[node] = pe, time
     enter(nodes, array, places, node, 1)
     if other >= 0:

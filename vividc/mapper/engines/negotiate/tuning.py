@@ -16,6 +16,12 @@ NEARLY_FREE_HEATS: Final = (0.8, 0.2)
 """First and last heat of a repair: over links, where words go through output registers, from routes
 as the annealer claimed moves for them, and from negotiated routes that crowd little (`FEW`).
 """
+FEW_SHARE: Final = 1 / 4
+"""Of the moves, for each of two repairs of negotiated routes that crowd little: of those that are
+there, and of new ones. One that succeeds mostly does in a twentieth of the moves, and which one
+does varies: of 17 states of a loop that fills the array (march_rays) the first cleared 2, the
+second 3, and what neither cleared 150 moves a node did not, either.
+"""
 LITTLE: Final = 8
 """Violations up to which a result is annealed again."""
 QUENCH, QUENCH_HOT, QUENCH_COLD = 0.25, 2.0, 0.2
