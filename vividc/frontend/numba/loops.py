@@ -52,8 +52,11 @@ def _run(
         _nest(builder, inputs, results, kernel, ufunc, is_plain)
 
     plain = _have_shape(builder, inputs, results[0].shape)
+    arrays = sum(isinstance(one, npyimpl._ArrayHelper) for one in inputs)
     if plain is None:
         nest(True)
+    elif arrays > 1 and not is_given:  # two nests beside one for each use take many contexts
+        nest(False)
     else:
         with builder.if_else(plain) as (then, otherwise):
             with then:
