@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, settings
 # thorough passes, which take as long as the rest of numba. It reads this when it is imported.
 os.environ.setdefault("NUMBA_OPT", "1")
 
-from tests import kept, witness
+from tests import kept
 from vividc.mapper.engines.negotiate import prepare
 
 settings.register_profile(
@@ -53,7 +53,6 @@ def own_cache(
         patch.setenv("VIVIDC_CACHE_PROGRAMS", "0")  # a test is of the compiler that it patches
         patch.setenv("XDG_STATE_HOME", str(folder / "state"))
         kept.take_from_cache(pytestconfig, patch, tmp_path_factory.getbasetemp())
-        witness.make_less(patch)
         prepare()  # within no test's time limit
         yield
     _copy_machine_code(entries, code)
