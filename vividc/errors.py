@@ -6,6 +6,8 @@ A value is on one line, and not too long.
 from __future__ import annotations
 
 import builtins
+import contextlib
+import functools
 import os
 import sys
 import warnings
@@ -17,7 +19,8 @@ _MOST = 200
 
 _MOST_SOURCE_BYTES = 16 << 20
 
-_PACKAGE: Final = os.path.dirname(__file__) + os.sep
+_OURS: Final = (os.path.dirname(__file__) + os.sep, contextlib.__file__, functools.__file__)
+"""Files of vividc's frames, and of what is between them: decorators."""
 
 _CUT: Final = "..."
 _LINES: Final = 40
@@ -151,7 +154,7 @@ class VividcWarning(UserWarning):
 def warn(text: str, category: type[Warning] = VividcWarning) -> None:
     """Warn, with the line outside vividc that led to it: that of the user's call."""
     frame, level = sys._getframe(1), 2
-    while frame.f_code.co_filename.startswith(_PACKAGE) and frame.f_back is not None:
+    while frame.f_code.co_filename.startswith(_OURS) and frame.f_back is not None:
         frame, level = frame.f_back, level + 1
     warnings.warn(text, category, stacklevel=level)
 

@@ -39,6 +39,7 @@ def unknown_attribute(x, n):
 
 def makes_a_list(x, n):
     values = [1.0, 2.0]
+    values.append(3.0)
     x[0] = values[n]
 
 

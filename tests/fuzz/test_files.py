@@ -35,6 +35,7 @@ READERS: Final[dict[str, tuple[str, ...]]] = {
     "errors.py": ("graph with lines", "kernel"),
     "host/files.py": ("kernel", "graph JSON"),
     "frontend/refused/source.py": ("kernel",),
+    "frontend/numba/lines.py": ("kernel",),
     "frontend/c/source.py": ("kernel in C",),
     "host/inputs.py": ("graph JSON",),
     "program/kept.py": (OWN,),

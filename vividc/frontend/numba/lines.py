@@ -52,11 +52,11 @@ def first_line(function: Any) -> int | None:
         return first
     try:
         with open(code.co_filename) as file:
-            source = file.read()
-    except OSError:  # a cell of a notebook
+            statements = _first_statements(file.read())
+    except (OSError, ValueError, SyntaxError):  # a cell of a notebook; a file that was changed
         first = _numba_first_line(function)
         return first
-    return _first_statements(source).get((code.co_name, code.co_firstlineno))
+    return statements.get((code.co_name, code.co_firstlineno))
 
 
 @functools.lru_cache(maxsize=16)
