@@ -51,6 +51,7 @@ def failure_of(problem: MapProblem, failure: Stuck | None) -> MappingFailed:
 
 
 def show(node: Node) -> str:
+    """A node in a message."""
     return f"node {node.id} ({node.op.value})"
 
 
