@@ -252,7 +252,7 @@ def arguments(seed: int, trial: int) -> list[object]:
     return [
         rng.integers(-40, 200, LOADED).astype(np.int32),
         rng.standard_normal(LOADED).astype(np.float32),
-        rng.integers(-9, 99, 4 * rows).astype(np.int32),
+        rng.integers(-9, 99, 4 * rows + 1).astype(np.int32),  # one more: `y[4 * i + 3 + 1]`
         rng.standard_normal(4 * rows).astype(np.float32),
         rng.integers(-9, 99, (rows, 4)).astype(np.int32),
         np.int32(n),
