@@ -62,6 +62,8 @@ _TREES = 3
 """Of each order, with random factors."""
 _SUMS = 0.3
 """Share of nests of sums in memory, whose loops may be another's outermost."""
+_OFTEN = 0.5
+"""Share of a third nest's statements that access elements at fixed places."""
 _ALIGNED = 2
 """Parts with other loops outermost that are tried of one."""
 _KNOWN = 0.2
@@ -102,7 +104,8 @@ class Search:
     def run(self, seed: int) -> None:
         """All programs of one seed."""
         chance = Random(seed)
-        function = random_sums(seed) if chance.random() < _SUMS else random_wide_nest(seed)
+        often = _OFTEN if seed % 3 == 0 else 0.0
+        function = random_sums(seed) if chance.random() < _SUMS else random_wide_nest(seed, often)
         known = None
         if chance.random() < _KNOWN:
             known = chance.randrange(MOST + 1)

@@ -355,3 +355,54 @@ def test_what_a_loop_may_store_to_stays_in_registers(path: tuple[int, ...], mask
         interpret(function, mine)
         interpret(after, theirs)
         assert np.array_equal(mine, theirs), shape
+
+
+@vividc.kernel("void(int32[::1], int32[::1], int32[:, ::1])")
+def changed_within(t, b, c):
+    for i in range(b.shape[0]):
+        b[i] = t[1]
+        for j in range(c.shape[0]):
+            c[j, i] = i
+            for k in range(c.shape[1]):
+                t[1] = 5 + j + k
+
+
+@vividc.kernel("void(int32[::1], int32[::1], int32[:, ::1])")
+def stored_within(t, b, c):
+    t[1] = 3
+    for i in range(b.shape[0]):
+        t[1] = b[i]
+        for j in range(c.shape[0]):
+            c[j, i] = i
+            for k in range(c.shape[1]):
+                t[1] = 5 + j + k
+
+
+@pytest.mark.parametrize("kernel", [changed_within, stored_within])
+@pytest.mark.parametrize("path", [(), (1,), (1, 1)])
+def test_what_loops_within_change_in_memory_is_known_after_them(
+    kernel: vividc.KernelFunction, path: tuple[int, ...]
+) -> None:
+    """An iteration begins with t[1] as inner loops left it, which have no place for it."""
+    function = tidy(kernel.lower())
+    [scop] = parts_of(function)
+    relations = Relations(scop)
+    tree = tree_of(scop)
+    tree = with_factors(tree, {path: 4}) if path else tree
+    loops = loops_of(tree, relations)
+    assert not isinstance(loops, Refusal)
+    made = generate(scop, loops)
+    assert not isinstance(made, Refusal)
+    after = tidy(made.function)
+    for rows, columns in ((0, 3), (3, 0), (1, 1), (5, 6)):
+        mine, theirs = (
+            [
+                np.arange(4, dtype=np.int32),
+                np.arange(7, 7 + columns, dtype=np.int32),
+                np.zeros((rows, columns), np.int32),
+            ]
+            for _ in "12"
+        )
+        interpret(function, *mine)
+        interpret(after, *theirs)
+        assert all(map(np.array_equal, mine, theirs)), (rows, columns)

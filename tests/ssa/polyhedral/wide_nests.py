@@ -35,8 +35,9 @@ _REALS = (Opcode.FADD, Opcode.FSUB, Opcode.FMUL)
 class _Wide(Builder):
     """The last of its scalars is a float."""
 
-    def __init__(self, seed: int) -> None:
+    def __init__(self, seed: int, often: float = 0.0) -> None:
         chance = random.Random(seed)
+        self.often, self.fixed = often, random.Random(seed)
         scalars: list[Value] = [Const(3), Const(5), Const(word_of(0.5))]
         kinds = (Type.I32, Type.I32, Type.F32)
         super().__init__(chance, scalars=scalars, kinds=kinds, in_bytes=random.Random(seed))
@@ -46,6 +47,9 @@ class _Wide(Builder):
 
     def statement(self) -> None:
         """Something from or to memory, or arithmetic on a scalar."""
+        if self.fixed.random() < self.often:
+            self.in_place()
+            return
         kind = self.chance.choice(_KINDS)
         if kind in ("real", "sum"):
             self.real(is_sum=kind == "sum")
@@ -57,6 +61,18 @@ class _Wide(Builder):
             self.transposed()
         else:
             self.whole(kind)
+
+    def in_place(self) -> None:
+        """One of few elements is loaded, stored, or updated, by loops at any depth."""
+        place = Const(self.fixed.randrange(2))
+        what = self.fixed.choice(("load", "store", "update"))
+        value: Value = self.fixed.choice([*self.counters, self.scalars[0]])
+        if what != "store":
+            value = self.emit(Opcode.XOR, self.load("t", place, 0), value)
+        if what != "load":
+            self.store("t", place, value)
+        else:
+            self.scalars[1] = self.emit(Opcode.ADD, self.scalars[1], value)
 
     def whole(self, kind: str) -> None:
         """As in `nests`, of the integers."""
@@ -153,9 +169,11 @@ class _Wide(Builder):
         return self.chance.choice((2, 3)) if self.chance.random() < 0.03 else 1
 
 
-def random_wide_nest(seed: int) -> Function:
-    """A function of `PARAMS`; where it leaves its arrays it is no program."""
-    builder = _Wide(seed)
+def random_wide_nest(seed: int, often: float = 0.0) -> Function:
+    """A function of `PARAMS`; where it leaves its arrays it is no program. `often`: how many of its
+    statements access an element at a fixed place.
+    """
+    builder = _Wide(seed, often)
     builder.in_branches = random.Random(seed)
     builder.body(0)
     for place, value in enumerate(builder.scalars):

@@ -54,6 +54,14 @@ class Generated:
     carries: bool
 
 
+@dataclass(frozen=True)
+class _Kept:
+    """A place that a loop carries: where it is to be known, and a load of it."""
+
+    guard: Guard
+    load: Instr | None
+
+
 class _Unkept(Exception):
     pass
 
@@ -195,7 +203,10 @@ class _Writer:
         for place, ident in phis.items():
             self.registers.known[place] = replace(entered[place], value=Ref(ident))
         self._open(body)
-        next_counter, lasts = self._body(loop, Ref(counter), carried, rotated, streams)
+        kept = {
+            place: _Kept(known.guard, accessed.loads.get(place)) for place, known in carried.items()
+        }
+        next_counter, lasts = self._body(loop, Ref(counter), kept, rotated, streams)
         latch = self._name
         self._close(Branch(header, loc=loc))
         made = [Phi(counter, Type.I32, ((before, first), (latch, next_counter)), loc)]
@@ -236,7 +247,7 @@ class _Writer:
         self,
         loop: For,
         counter: Ref,
-        own: Collection[Place],
+        own: Mapping[Place, _Kept],
         rotated: Mapping[Place, Rotated],
         streams: tuple[Stream, ...],
     ) -> tuple[Value, dict[Place, Value]]:
@@ -257,7 +268,7 @@ class _Writer:
         for place, known in list(self.registers.known.items()):
             if known.store is not None and place not in own and known != entered.get(place):
                 self.registers.flush(place)
-        lasts = {place: self.registers.known[place].value for place in own}
+        lasts = {place: self._last(place, kept) for place, kept in own.items()}
         for place, one in rotated.items():
             is_known = one.streamed and one.source in self.registers.known
             value = self.registers.known[one.source].value if is_known else None
@@ -267,6 +278,14 @@ class _Writer:
         del self.words.names[loop.name]
         self.words.forget((loop.name,))
         return following, lasts
+
+    def _last(self, place: Place, kept: _Kept) -> Value:
+        """What a place is at the end of an iteration: one that a loop or branch inside has changed
+        in memory only is loaded again.
+        """
+        if kept.load is None or place.is_scalar:
+            return self.registers.known[place].value
+        return self.registers.loaded(kept.load, place, kept.guard)
 
     def _leave(self, outside: dict[Place, Known], unsure: set[Place]) -> None:
         """After a loop: what it has loaded only if it runs is stored, and then not known."""
@@ -289,6 +308,13 @@ class _Writer:
         runs: Value | None = None
         known = self.registers.known
         for place, guard in fixed.items():
+            if (
+                not place.is_scalar
+                and place not in accessed.loads
+                and self._is_written_within(place, loop)
+            ):
+                self.registers.drop(place)  # nothing could load it at the end of an iteration
+                continue
             entered = known.get(place)
             if entered is not None and (place.is_scalar or implies(guard, entered.guard)):
                 if entered.store is not None and self._is_changed(place, accessed):
@@ -309,6 +335,11 @@ class _Writer:
             if place.is_scalar and accessed.guards[place] != {entered.guard}:
                 carried[place] = replace(entered, guard=ALWAYS)
         return carried, unsure
+
+    def _is_written_within(self, place: Place, loop: For) -> bool:
+        """Whether loops or branches of a loop's body may store to a place."""
+        inside = (item for item in loop.body if not self.places.is_masked(item))
+        return self.places.is_met(place, self.places.accessed(inside))
 
     def _is_changed(self, place: Place, accessed: Accessed) -> bool:
         """Whether only stores to what may be the same element write a place."""
