@@ -378,8 +378,18 @@ def stored_within(t, b, c):
                 t[1] = 5 + j + k
 
 
-@pytest.mark.parametrize("kernel", [changed_within, stored_within])
-@pytest.mark.parametrize("path", [(), (1,), (1, 1)])
+@vividc.kernel("void(int32[::1], int32[::1], int32[:, ::1])")
+def changed_behind(t, b, c):
+    for i in range(b.shape[0]):
+        for j in range(c.shape[0]):
+            c[j, i] = i
+            for k in range(c.shape[1]):
+                t[1] = (t[1] ^ i) + 2 * k
+        t[1] = (t[1] ^ 3) + b[i]
+
+
+@pytest.mark.parametrize("kernel", [changed_within, stored_within, changed_behind])
+@pytest.mark.parametrize("path", [(), (0,), (1,)])
 def test_what_loops_within_change_in_memory_is_known_after_them(
     kernel: vividc.KernelFunction, path: tuple[int, ...]
 ) -> None:
@@ -388,7 +398,8 @@ def test_what_loops_within_change_in_memory_is_known_after_them(
     [scop] = parts_of(function)
     relations = Relations(scop)
     tree = tree_of(scop)
-    tree = with_factors(tree, {path: 4}) if path else tree
+    paths = [found for found, _ in loops_in(tree)]
+    tree = with_factors(tree, {path: 4}) if path in paths and path else tree
     loops = loops_of(tree, relations)
     assert not isinstance(loops, Refusal)
     made = generate(scop, loops)

@@ -8,7 +8,7 @@ before it (Callahan, Carr and Kennedy, "Improving register allocation for subscr
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from vividc.machine.opcodes import MEMORY, Opcode, Type
@@ -28,7 +28,7 @@ from vividc.ssa.polyhedral.places import Accessed, Known, Place, Places, Rotated
 from vividc.ssa.polyhedral.relations import Rows
 from vividc.ssa.polyhedral.rows import arrays_of_rows
 from vividc.ssa.polyhedral.scop import Scop
-from vividc.ssa.polyhedral.writing.registers import Registers
+from vividc.ssa.polyhedral.writing.registers import Registers, Unkept
 from vividc.ssa.polyhedral.writing.words import Words
 from vividc.ssa.rewrite.refusal import Refusal
 
@@ -54,18 +54,6 @@ class Generated:
     carries: bool
 
 
-@dataclass(frozen=True)
-class _Kept:
-    """A place that a loop carries: where it is to be known, and a load of it."""
-
-    guard: Guard
-    load: Instr | None
-
-
-class _Unkept(Exception):
-    pass
-
-
 def generate(
     scop: Scop,
     loops: Loops,
@@ -86,7 +74,7 @@ def generate(
     try:
         places = Places(scop, loops, masks, rows or {}, carries, shares)
         return _Writer(scop, places).generated()
-    except _Unkept as reason:
+    except Unkept as reason:
         return Refusal(str(reason))
 
 
@@ -114,7 +102,7 @@ class _Writer:
         """The whole function."""
         scop = self.scop
         if not self.places.are_rows_known():
-            raise _Unkept("which row of a temporary an iteration uses is not known")
+            raise Unkept("which row of a temporary an iteration uses is not known")
         header = block_of(scop.function, scop.loop.header)
         self.words.loc = header.branch.loc
         first = self._open(self._fresh("part"))
@@ -179,7 +167,7 @@ class _Writer:
     def _for(self, loop: For) -> None:
         origin = self.places.origin(loop)
         if origin is None:
-            raise _Unkept("no statement counts a loop")
+            raise Unkept("no statement counts a loop")
         self.words.loc = loc = block_of(self.scop.function, origin).branch.loc
         first = self.words.extreme(loop.first, Opcode.SMAX)
         limit = self.words.extreme(loop.limit, Opcode.SMIN)
@@ -203,10 +191,8 @@ class _Writer:
         for place, ident in phis.items():
             self.registers.known[place] = replace(entered[place], value=Ref(ident))
         self._open(body)
-        kept = {
-            place: _Kept(known.guard, accessed.loads.get(place)) for place, known in carried.items()
-        }
-        next_counter, lasts = self._body(loop, Ref(counter), kept, rotated, streams)
+        with self.registers.holding(carried):
+            next_counter, lasts = self._body(loop, Ref(counter), carried, rotated, streams)
         latch = self._name
         self._close(Branch(header, loc=loc))
         made = [Phi(counter, Type.I32, ((before, first), (latch, next_counter)), loc)]
@@ -247,7 +233,7 @@ class _Writer:
         self,
         loop: For,
         counter: Ref,
-        own: Mapping[Place, _Kept],
+        own: Collection[Place],
         rotated: Mapping[Place, Rotated],
         streams: tuple[Stream, ...],
     ) -> tuple[Value, dict[Place, Value]]:
@@ -268,7 +254,7 @@ class _Writer:
         for place, known in list(self.registers.known.items()):
             if known.store is not None and place not in own and known != entered.get(place):
                 self.registers.flush(place)
-        lasts = {place: self._last(place, kept) for place, kept in own.items()}
+        lasts = {place: self.registers.known[place].value for place in own}
         for place, one in rotated.items():
             is_known = one.streamed and one.source in self.registers.known
             value = self.registers.known[one.source].value if is_known else None
@@ -278,14 +264,6 @@ class _Writer:
         del self.words.names[loop.name]
         self.words.forget((loop.name,))
         return following, lasts
-
-    def _last(self, place: Place, kept: _Kept) -> Value:
-        """What a place is at the end of an iteration: one that a loop or branch inside has changed
-        in memory only is loaded again.
-        """
-        if kept.load is None or place.is_scalar:
-            return self.registers.known[place].value
-        return self.registers.loaded(kept.load, place, kept.guard)
 
     def _leave(self, outside: dict[Place, Known], unsure: set[Place]) -> None:
         """After a loop: what it has loaded only if it runs is stored, and then not known."""
@@ -302,19 +280,12 @@ class _Writer:
         made that it may meet, what it may change is forgotten, and elements at fixed places are
         loaded.
         """
-        fixed = self.places.fixed(loop, accessed)
+        fixed = self._fixed(loop, accessed)
         self._settle(accessed, fixed)
         unsure = set()
         runs: Value | None = None
         known = self.registers.known
         for place, guard in fixed.items():
-            if (
-                not place.is_scalar
-                and place not in accessed.loads
-                and self._is_written_within(place, loop)
-            ):
-                self.registers.drop(place)  # nothing could load it at the end of an iteration
-                continue
             entered = known.get(place)
             if entered is not None and (place.is_scalar or implies(guard, entered.guard)):
                 if entered.store is not None and self._is_changed(place, accessed):
@@ -336,10 +307,26 @@ class _Writer:
                 carried[place] = replace(entered, guard=ALWAYS)
         return carried, unsure
 
-    def _is_written_within(self, place: Place, loop: For) -> bool:
-        """Whether loops or branches of a loop's body may store to a place."""
-        inside = (item for item in loop.body if not self.places.is_masked(item))
-        return self.places.is_met(place, self.places.accessed(inside))
+    def _fixed(self, loop: For, accessed: Accessed) -> dict[Place, Guard]:
+        """Places that registers can hold throughout a loop, with where they do."""
+        fixed = self.places.fixed(loop, accessed).items()
+        return {place: guard for place, guard in fixed if self._stays(place, loop.body)}
+
+    def _stays(self, place: Place, code: Iterable[Code]) -> bool:
+        """Whether a place that is known before some code is known after it: the loops in it that
+        store to it hold it as well.
+        """
+        for item in code:
+            if place.is_scalar or self.places.is_masked(item):
+                continue
+            if isinstance(item, If):
+                if not self._stays(place, (*item.then, *item.otherwise)):
+                    return False
+            elif isinstance(item, For):
+                accessed = self.places.accessed(item.body)
+                if self.places.is_met(place, accessed) and place not in self._fixed(item, accessed):
+                    return False
+        return True
 
     def _is_changed(self, place: Place, accessed: Accessed) -> bool:
         """Whether only stores to what may be the same element write a place."""
@@ -351,7 +338,7 @@ class _Writer:
             if meets and self.registers.known[place].store is not None:
                 self.registers.flush(place)
             if any(accessed.written[other] for other in meets):
-                del self.registers.known[place]
+                self.registers.drop(place)
 
     def _if(self, item: If) -> None:
         self.registers.store_all()
@@ -378,7 +365,13 @@ class _Writer:
     def _joined(
         self, one: tuple[str, dict[Place, Known]], other: tuple[str, dict[Place, Known]]
     ) -> list[Phi]:
-        """The phis of what both sides know; what only one knows is forgotten."""
+        """The phis of what both sides know; what only one knows is forgotten.
+
+        Raises
+        ------
+        Unkept
+            If a loop around carries that.
+        """
         phis: list[Phi] = []
         (first, left), (second, right) = one, other
         self.registers.known = {}
@@ -393,6 +386,8 @@ class _Writer:
                     Phi(self.words.ids(), self.registers.type_of(place), values, self.words.loc)
                 )
                 self.registers.known[place] = replace(known, value=Ref(phis[-1].id))
+        if not self.registers.held <= self.registers.known.keys():
+            raise Unkept("a branch changes where an element is known that a loop carries")
         return phis
 
 
@@ -438,10 +433,10 @@ class _Running:
             return self.writer.words.of(scop.indices[value.id].substituted(self.at))
         if value.id in scop.depth:
             if self._scalar(value.id) not in self.writer.registers.known:
-                raise _Unkept("a value would have to wait in memory")
+                raise Unkept("a value would have to wait in memory")
             return self.writer.registers.known[self._scalar(value.id)].value
         if scop.function.block_of[value.id] in scop.loop.blocks:
-            raise _Unkept("a value is computed from addresses")
+            raise Unkept("a value is computed from addresses")
         return value
 
     def _access(self, instr: Instr) -> None:

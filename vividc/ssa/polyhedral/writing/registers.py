@@ -7,6 +7,8 @@ may meet them.
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial, reduce
 
@@ -20,6 +22,10 @@ from vividc.ssa.polyhedral.scop import Scop
 from vividc.ssa.polyhedral.writing.words import Words
 
 
+class Unkept(Exception):
+    """Code cannot be written; the text says why."""
+
+
 class Registers:
     """Loads, stores and values of the places of a part, written to the end of `words`.
 
@@ -29,6 +35,9 @@ class Registers:
         What places are.
     predicates
         Words of guards.
+    held
+        Places that the open loops carry: what the iteration before has left in one may be in no
+        memory, though `known` has no store of it.
     """
 
     def __init__(self, scop: Scop, places: Places, words: Words) -> None:
@@ -37,7 +46,16 @@ class Registers:
         self.words = words
         self.known: dict[Place, Known] = {}
         self.predicates: dict[Guard, Value] = {}
+        self.held: frozenset[Place] = frozenset()
         self._types = {i.id: i.type for block in scop.function.blocks for i in block.items}
+
+    @contextmanager
+    def holding(self, places: Collection[Place]) -> Iterator[None]:
+        """A loop's body is written that carries places."""
+        before = self.held
+        self.held |= frozenset(places)
+        yield
+        self.held = before
 
     def type_of(self, place: Place) -> Type:
         """Of its value."""
@@ -144,7 +162,15 @@ class Registers:
         return self.predicates.get(guard)
 
     def drop(self, place: Place) -> None:
-        """Forgets the value of a place; it is in memory then."""
+        """Forgets the value of a place; it is in memory then.
+
+        Raises
+        ------
+        Unkept
+            If a loop carries it.
+        """
+        if place in self.held:
+            raise Unkept("an element that a loop carries is changed where it is not known")
         known = self.known.get(place)
         if known is not None and known.store is not None:
             self.flush(place)
