@@ -12,10 +12,14 @@ from vividc.dfg.check import check
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
 from vividc.errors import MappingFailed, SourceLoc
 from vividc.machine.opcodes import ORDER, PRED, LatencyClass, Opcode
+from vividc.mapper.bounds.straight import Heights
 from vividc.mapper.check.verify import violations
+from vividc.mapper.engines.greedy import Policy, Schedule
 from vividc.mapper.engines.list_schedule import list_schedule, straight_lower_bound
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.problem import MapProblem
+from vividc.mapper.resources.banks import NO_MEETS
+from vividc.mapper.resources.router import Places, Router, Value
 
 _SLOW_MUL = {LatencyClass.IMUL: 3}
 
@@ -303,3 +307,37 @@ def test_pes_without_links_between_them_are_named() -> None:
     homes = {0: frozenset({0}), 1: frozenset({1})}
     with pytest.raises(MappingFailed, match="no links lead"):
         list_schedule(MapProblem(chain(2), tiny_fabric(links=()), allowed=homes))
+
+
+def test_a_pass_ends_once_it_cannot_be_shorter() -> None:
+    problem = MapProblem(random_region(3, 40), tile())
+    length = greedy_pass(problem).run()
+    assert length is not None
+    assert greedy_pass(problem).run(length.ii + 1) == length
+    assert greedy_pass(problem).run(length.ii) is None
+
+
+def test_a_place_that_cannot_be_better_is_not_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All PEs are as good in time; the least that routes and constants take tells them apart."""
+    tried: list[int] = []
+    park = Router.park
+
+    def counted(router: Router, value: Value) -> bool:
+        tried.append(value.node)
+        return park(router, value)
+
+    monkeypatch.setattr(Router, "park", counted)
+    problem = MapProblem(random_region(3, 40), tile())
+    greedy_pass(problem).run()
+    assert len(tried) < 2 * len(problem.dfg.placed)
+
+
+def greedy_pass(problem: MapProblem) -> Schedule:
+    policy = Policy({}, 0.6, deep=False, affinity=2, constants=1, spared=0, apart=2)
+    return Schedule(problem, Places(problem.fabric), Heights(problem), policy, NO_MEETS)
+
+
+def tile() -> Fabric:
+    fabric = load("vivid-tile")
+    assert isinstance(fabric, Fabric)
+    return fabric

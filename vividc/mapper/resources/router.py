@@ -13,7 +13,7 @@ from __future__ import annotations
 import heapq
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Final, TypeVar
+from typing import Final, NamedTuple, TypeVar
 
 from vividc.arch.fabric import Fabric
 from vividc.mapper.mapping import Step
@@ -23,7 +23,8 @@ RES: Final = -1
 
 UNREACHABLE: Final = 1 << 20
 
-_LINK_COST: Final = 4
+LINK_COST: Final = 4
+"""Of a cycle in which a word takes a link that it does not take already."""
 _WRITE_COST: Final = 2
 _HOLD_COST: Final = 1
 _MAX_EXPANSIONS: Final = 3000
@@ -49,8 +50,7 @@ class Value:
     ready: int
 
 
-@dataclass(frozen=True, slots=True)
-class Path:
+class Path(NamedTuple):
     """A way for a word: its new spots in time order, the place that drives the first, its cost."""
 
     spots: tuple[Spot, ...]
@@ -406,12 +406,12 @@ class _Search:
         if not joins:
             if time < self.value.ready + self.from_producer[pe]:
                 return
-            cost += _LINK_COST if place < router.places.links else _HOLD_COST
+            cost += LINK_COST if place < router.places.links else _HOLD_COST
         if spot in self.cost and self.cost[spot] <= cost:
             return
         self.cost[spot] = cost
         self.next[spot] = to
-        estimate = 0 if joins else _LINK_COST * self.hops[pe]
+        estimate = 0 if joins else LINK_COST * self.hops[pe]
         heapq.heappush(self.queue, (cost + estimate, time, place, cost))
 
     def run(self) -> Path | None:
