@@ -12,10 +12,10 @@ from typing import Unpack
 from vividc import arch
 from vividc.arch import Accelerator
 from vividc.arch.fabric import Fabric
+from vividc.compiler.earlier import Earlier
 from vividc.compiler.kept_programs import Place, place_of
 from vividc.compiler.map_again import Runs
 from vividc.compiler.map_regions import (
-    Earlier,
     MapOptions,
     Progress,
     Unmapped,

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field, replace
 from typing import Final
 
 from vividc.arch.fabric import Fabric
+from vividc.compiler.earlier import posed
 from vividc.compiler.homes import residents
 from vividc.compiler.planning.estimate import RegionCost
 from vividc.dfg.regions import Kernel
@@ -78,11 +79,12 @@ def with_fewer_cycles(
     results: ReadOnly[int, MapResult],
     runs: Runs,
     deadline: Deadline,
+    tried: dict[Hashable, Mapping | None],
 ) -> dict[int, MapResult]:
     """The results of a kernel's loops, by region, those with many stalls or long iterations mapped
-    again at their IIs where that is expected to save cycles of a run.
+    again at their IIs where that is expected to save cycles of a run; `tried`: see `_Loops`.
     """
-    loops = _Loops(kernel, fabric, runs)
+    loops = _Loops(kernel, fabric, runs, tried)
     apart = _with_fewer_stalls(loops, results, deadline.within(_BUDGET_S))
     return _with_shorter_iterations(loops, apart, deadline.within(_BUDGET_S))
 
@@ -168,14 +170,16 @@ class _Again:
 
 @dataclass(frozen=True, slots=True)
 class _Loops:
-    """`tried`: what came of each negotiation; both ways of `_with_fewer_stalls` begin alike."""
+    """`tried`: what came of each negotiation; both ways of `_with_fewer_stalls` begin alike, and so
+    do stages with equal loops.
+    """
 
     kernel: Kernel
     fabric: Fabric
     runs: Runs
+    tried: dict[Hashable, Mapping | None] = field(default_factory=dict)
     _traffic: dict[tuple[int, int], tuple[Mapping, Traffic]] = field(default_factory=dict)
     """By region and the identity of its mapping, which is kept so that no other one gets it."""
-    tried: dict[Hashable, Mapping | None] = field(default_factory=dict)
 
     def traffic(self, index: int, mapping: Mapping) -> Traffic:
         """Of a mapped loop, which keeps what was found of it."""
@@ -269,12 +273,7 @@ class _Loops:
         for seed in _SEEDS:
             if deadline.passed or (best is not None and best.cycles <= enough):
                 break
-            expected = (meetings.accesses, meetings.stalls.tobytes())
-            key = (index, old.ii, seed, _held(problem), expected)
-            if key not in self.tried:
-                made = self._negotiated(problem, old, seed, deadline, _EFFORT, meetings)
-                self.tried[key] = made
-            made = self.tried[key]
+            made = self._negotiated(problem, old, seed, deadline, _EFFORT, meetings)
             if made is None:
                 continue
             changed = {**results, index: replace(results[index], mapping=made)}
@@ -294,26 +293,41 @@ class _Loops:
         span: int | None = None,
     ) -> Mapping | None:
         """Another mapping at the II of the `old` one, its iterations not longer than `span`."""
+        expected = (meetings.accesses, meetings.stalls.tobytes())
+        key = (posed(problem), old.ii, seed, effort, expected, span)
+        if key in self.tried:
+            named = self.tried[key]
+        else:
+            named = self._newly_negotiated(problem, old.ii, seed, deadline, effort, meetings, span)
+            if named is not None or not deadline.passed:
+                self.tried[key] = named
+        return None if named is None else replace(named, subject=old.subject)
+
+    def _newly_negotiated(
+        self,
+        problem: MapProblem,
+        ii: int,
+        seed: int,
+        deadline: Deadline,
+        effort: Effort,
+        meetings: Meetings,
+        span: int | None,
+    ) -> Mapping | None:
         core = replace(problem, fabric=unrotated(self.fabric))
         if span is None:
-            frame = loose_frame(core, old.ii, meetings)
+            frame = loose_frame(core, ii, meetings)
         else:
-            frame = tight_frame(core, old.ii, span, meetings)
+            frame = tight_frame(core, ii, span, meetings)
         if frame is None:
             return None
-        made = negotiate(core, old.ii, seed, deadline, effort, frame=frame)
+        made = negotiate(core, ii, seed, deadline, effort, frame=frame)
         named = None if made is None else named_anew(problem, made)
         if named is None:
             return None
         faults = violations(problem.dfg, self.fabric, named, resident=problem.resident)
         if faults:
             raise InternalError(f"another mapping of {problem.dfg.name}: {faults[0].message}")
-        return replace(named, subject=old.subject)
-
-
-def _held(problem: MapProblem) -> Hashable:
-    """What other regions hold in constant stores."""
-    return tuple(sorted(problem.resident.items()))
+        return named
 
 
 def _mapping(result: MapResult) -> Mapping:

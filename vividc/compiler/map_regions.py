@@ -8,11 +8,12 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from collections.abc import Mapping as ReadOnly
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 from vividc.arch.fabric import Fabric
 from vividc.compiler.delivery import deliver, with_homes
+from vividc.compiler.earlier import Earlier, posed, straight_key, unnamed
 from vividc.compiler.homes import residents, variable_homes
 from vividc.compiler.map_again import Runs, layout_for, with_fewer_cycles
 from vividc.dfg.ir import DFG
@@ -20,6 +21,7 @@ from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, MappingFailed, TimeLimit
 from vividc.host import time_limit
 from vividc.mapper import EffortLevel, MapProblem, MapResult, map_dfg
+from vividc.mapper.api import about
 from vividc.mapper.bounds.bounds import all_bounds, mii
 from vividc.mapper.bounds.straight import straight_lower_bound
 from vividc.mapper.check.verify import violations
@@ -80,26 +82,6 @@ class Unmapped:
     error: MappingFailed | TimeLimit
 
 
-@dataclass(frozen=True)
-class Earlier:
-    """What is known of graphs, their names aside, from other kernels for the same fabric.
-
-    Attributes
-    ----------
-    loops
-        The newest result of each.
-    hopeless
-        Straight regions that nothing could place.
-    """
-
-    loops: dict[DFG, MapResult] = field(default_factory=dict)
-    hopeless: dict[DFG, MappingFailed] = field(default_factory=dict)
-
-
-def _unnamed(dfg: DFG) -> DFG:
-    return replace(dfg, name="")
-
-
 def map_kernel(
     kernel: Kernel,
     fabric: Fabric,
@@ -138,24 +120,24 @@ def map_kernel(
     with limited(options.time_limit_s) as effort:
         earlier = Earlier() if earlier is None else earlier
         for region in kernel.regions if earlier.hopeless else ():
-            if (error := earlier.hopeless.get(_unnamed(region.dfg))) is not None:
+            if (error := earlier.hopeless.get(unnamed(region.dfg))) is not None:
                 raise error
-        results = _map_loops(kernel, fabric, options, earlier.loops, demanded, effort, is_lost)
+        results = _map_loops(kernel, fabric, options, earlier, demanded, effort, is_lost)
         if results is None or isinstance(results, Unmapped):
             return results
         if is_lost(_least(kernel, fabric, results)):
             return None
         chosen = results
         if runs is not None and options.mapper == "auto" and options.effort != "fast":
-            chosen = with_fewer_cycles(kernel, fabric, results, runs, effort)
+            chosen = with_fewer_cycles(kernel, fabric, results, runs, effort, earlier.again)
         before, after = (_spans(kernel, fabric, loops) for loops in (results, chosen))
         if is_lost({index: min(span, after[index]) for index, span in before.items()}):
             return None
-        finish = partial(_with_straight, kernel, fabric, options, runs, is_lost=is_lost)
+        finish = partial(_with_straight, kernel, fabric, options, runs, earlier, is_lost)
         try:
             return finish(chosen, frugal=False)
         except MappingFailed:  # what the first ones took may be what the last ones need
-            return finish(results, frugal=True, hopeless=earlier.hopeless)
+            return finish(results, frugal=True)
 
 
 def _spans(
@@ -191,14 +173,14 @@ def _with_straight(
     fabric: Fabric,
     options: MapOptions,
     runs: Runs | None,
+    earlier: Earlier,
+    is_lost: IsLost,
     results: dict[int, MapResult],
     *,
     frugal: bool,
-    hopeless: dict[DFG, MappingFailed] | None = None,
-    is_lost: IsLost = lambda _: False,
 ) -> tuple[Kernel, dict[int, MapResult]] | None:
     """The kernel with deliveries, and the results of loops with those of straight regions; `frugal`
-    as in `list_schedule`. The one that fails is kept in `hopeless`.
+    as in `list_schedule`. One that fails even so is hopeless.
     """
     results = dict(results)
     loops = {index: mapping_of(result) for index, result in results.items()}
@@ -214,10 +196,11 @@ def _with_straight(
         problem = MapProblem(ready.dfg, fabric, ready.allowed, held)
         try:
             meets = Traffic.of(ready.dfg, fabric.scratchpad, 1).meets(known)
-            results[index] = _map_straight(problem, options, pace, meets, frugal=frugal)
+            scheduled = partial(_scheduled, earlier, pace, meets, frugal=frugal)
+            results[index] = _map_straight(problem, options, scheduled)
         except MappingFailed as error:
-            if hopeless is not None:
-                hopeless[_unnamed(region.dfg)] = error
+            if frugal:
+                earlier.hopeless[unnamed(region.dfg)] = error
             raise
         if is_lost(_spans(kernel, fabric, results)):
             return None
@@ -269,7 +252,7 @@ def _map_loops(
     kernel: Kernel,
     fabric: Fabric,
     options: MapOptions,
-    known: dict[DFG, MapResult],
+    earlier: Earlier,
     demanded: frozenset[str],
     effort: Deadline,
     is_lost: IsLost,
@@ -288,13 +271,14 @@ def _map_loops(
     least = _bounds(kernel, fabric)
     for number, (index, region) in enumerate(loops):
         problem = MapProblem(region.dfg, fabric, {}, residents(fabric, done))
-        result: MapResult | MappingFailed | TimeLimit | None = _still_good(problem, known)
+        result: MapResult | MappingFailed | TimeLimit | None = _still_good(problem, earlier)
         if result is None:
             share = _share(loops[number:])
             with guarded((until - time_limit.now()) * share):
                 result = _mapped_loop(region, problem, options, effort.remaining_s * share)
         if isinstance(result, MapResult):
-            known[_unnamed(region.dfg)] = result
+            earlier.loops[unnamed(region.dfg)] = result
+            earlier.searched[posed(problem)] = result
             results[index] = result
             done.append((region.dfg, mapping_of(result)))
             least |= _least(kernel, fabric, {index: result})
@@ -332,13 +316,18 @@ def _share(left: Sequence[tuple[int, Region]]) -> float:
     return max(1 / len(sizes), sizes[0] / max(1, sum(sizes)))
 
 
-def _still_good(problem: MapProblem, known: dict[DFG, MapResult]) -> MapResult | None:
-    """A loop's earlier result, if it is compatible with the loops mapped so far."""
-    result = known.get(_unnamed(problem.dfg))
+def _still_good(problem: MapProblem, earlier: Earlier) -> MapResult | None:
+    """A loop's earlier result: of the same problem under other names, or of the same loop beside
+    other ones, if it is compatible with those mapped so far.
+    """
+    same = earlier.searched.get(posed(problem))
+    result = same or earlier.loops.get(unnamed(problem.dfg))
     if result is None:
         return None
     held, mapping = problem.resident, mapping_of(result)
-    return None if violations(problem.dfg, problem.fabric, mapping, resident=held) else result
+    if violations(problem.dfg, problem.fabric, mapping, resident=held):
+        return None
+    return result if same is None else about(result, problem)
 
 
 def _mapped_loop(
@@ -369,12 +358,30 @@ def _mapped_loop(
     return TimeLimit(text, loc=region.loc, hint=hint)
 
 
+def _scheduled(
+    earlier: Earlier, pace: _Pace, meets: Meets, problem: MapProblem, *, frugal: bool
+) -> Mapping:
+    """The schedule of a straight region, which is kept for another stage's."""
+    pace.begin(len(problem.dfg.placed))
+    key = posed(problem), straight_key(meets, frugal)
+    if key not in earlier.straight:
+        try:
+            made = list_schedule(problem, pace.leaves_time, frugal=frugal, meets=meets)
+        except MappingFailed as error:
+            earlier.straight[key] = error
+            raise
+        earlier.straight[key] = made
+    known = earlier.straight[key]
+    if isinstance(known, MappingFailed):
+        raise known
+    return known
+
+
 def _map_straight(
-    problem: MapProblem, options: MapOptions, pace: _Pace, meets: Meets, *, frugal: bool
+    problem: MapProblem, options: MapOptions, scheduled: Callable[[MapProblem], Mapping]
 ) -> MapResult:
     start = time.monotonic()
-    pace.begin(len(problem.dfg.placed))
-    mapping = list_schedule(problem, pace.leaves_time, frugal=frugal, meets=meets)
+    mapping = scheduled(problem)
     faults = violations(
         problem.dfg,
         problem.fabric,

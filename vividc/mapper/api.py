@@ -103,10 +103,10 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
             hurried = deadline.meter.hurried
     except MapInterrupted as stop:
         _confirm(problem, stop.result, mapper)
-        raise MapInterrupted(_about(stop.result, problem)) from stop
+        raise MapInterrupted(about(stop.result, problem)) from stop
     _confirm(problem, result, mapper)
     stats = {**result.stats, "effort_s": deadline.meter.spent_s - spent}
-    return _about(replace(result, hurried=hurried, stats=stats), problem)
+    return about(replace(result, hurried=hurried, stats=stats), problem)
 
 
 @seldom()
@@ -236,7 +236,8 @@ def _check_sets(given: object, loc: str, hint: str) -> None:
             raise VividcError(reason, loc=loc, hint=hint)
 
 
-def _about(result: MapResult, problem: MapProblem) -> MapResult:
+def about(result: MapResult, problem: MapProblem) -> MapResult:
+    """The result, said to be of this problem."""
     subject, mapping = _subject(problem), result.mapping
     known = None if mapping is None else replace(mapping, subject=subject)
     return replace(result, mapping=known, subject=subject)
