@@ -2,8 +2,8 @@
 
 In order: `ir` (nodes and edges), `check` (invariants), `order`, `regions` (a kernel: a table of
 regions with a graph each), `builder`; `cut/` (from SSA to regions), `passes/` and `expand/`
-(graph to graph), `pipeline` (their order); `interpret/`; `forms/` (text, JSON, DOT, XML, networkx;
-docs/dfg-formats.md), `draw`.
+(graph to graph), `pipeline` (their order), `alike` (graphs but for their names); `interpret/`;
+`forms/` (text, JSON, DOT, XML, networkx; docs/dfg-formats.md), `draw`.
 """
 
 from vividc.dfg.check import check

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 
 import vividc
 from vividc import arch
-from vividc.compiler.planning.estimate import Apart, Estimator
+from vividc.compiler.planning.estimate import Apart, Estimator, Room
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.ir import DFG
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.regions import Kernel
 from vividc.ssa.flow import find_loops
+from vividc.ssa.rewrite.normalize import normalize
 from vividc.ssa.rewrite.tidy import tidy
 
 
@@ -83,3 +85,30 @@ def test_a_nest_apart_from_others_takes_what_it_takes_beside_them() -> None:
     assert abs(alone.cycles - both.cycles) < 0.05 * both.cycles
     short, long = apart.estimate(function, {first.header: 10.0}, {first.header: 1000.0})
     assert long.cycles > short.cycles + 500
+
+
+@vividc.kernel("void(int32[::1], int32[::1])")
+def crowded(x, y):
+    for i in range(len(x)):
+        v = x[i]
+        y[i] = ((((((v + 9) * v + 1) * v + 2) * v + 3) * v + 4) * v + 5) * v + 6
+
+
+def test_what_is_beyond_the_room_is_estimated_as_far_as_shows_it() -> None:
+    options = PassOptions(contract=False)
+    function = normalize(crowded.lower())
+    whole = Estimator(arch.load("vivid-tile"), options).estimate(function, {})
+    largest = whole.largest_loop(16)
+    assert largest > 10
+    for room, is_beyond in (
+        (Room(largest, whole.contexts), False),
+        (Room(largest - 1, whole.contexts), True),
+        (Room(largest, whole.contexts - 1), True),
+    ):
+        estimator = Estimator(arch.load("vivid-tile"), options)
+        found = estimator.estimate(function, {}, room)
+        assert found == (
+            replace(whole, cycles=math.inf, regions=found.regions) if is_beyond else whole
+        )
+        assert set(found.regions) <= set(whole.regions)
+        assert estimator.estimate(function, {}) == whole

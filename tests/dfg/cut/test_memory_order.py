@@ -15,7 +15,8 @@ from vividc.machine.lanes import Lane
 from vividc.machine.words import WORD_MASK
 from vividc.ssa.flow import find_loops
 from vividc.ssa.ir import Instr
-from vividc.ssa.polyhedral.distances import Meetings, Place
+from vividc.ssa.polyhedral.distances.linear import Place
+from vividc.ssa.polyhedral.distances.meetings import Meetings
 from vividc.ssa.text_parser import parse
 
 ITERATIONS = 24

@@ -23,7 +23,8 @@ from vividc.mapper import MapProblem
 from vividc.mapper.bounds.bounds import Bound, all_bounds
 from vividc.mapper.bounds.refutations import ASSUMED
 from vividc.ssa.flow import find_loops
-from vividc.ssa.polyhedral.distances import Distances, Meetings, Place
+from vividc.ssa.polyhedral.distances.linear import Distances, Place
+from vividc.ssa.polyhedral.distances.meetings import Meetings
 from vividc.ssa.rewrite.normalize import normalize
 
 MACHINE = arch.load("vivid-tile")

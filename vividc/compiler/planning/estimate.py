@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from vividc.arch.fabric import Fabric
+from vividc.dfg.alike import Graph, Optimized, numbered, with_addresses
 from vividc.dfg.check import check
-from vividc.dfg.cut.build import build_kernel
-from vividc.dfg.ir import DFG, AddressForm, Node
+from vividc.dfg.cut.build import Cut, build_kernel
+from vividc.dfg.ir import DFG
 from vividc.dfg.pipeline import PassOptions, optimize, optimize_kernel, pipeline
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import SourceLoc
 from vividc.host import time_limit
 from vividc.host.watch import is_watched
-from vividc.machine.opcodes import Opcode
 from vividc.mapper.bounds.bounds import all_bounds, mii, no_ii
 from vividc.mapper.bounds.straight import straight_lower_bound
 from vividc.mapper.mapping import Bound
@@ -42,8 +42,6 @@ _OF_REASSOCIATED = 12
 """The same where float sums have any order, which leaves short recurrences, of loops of so many
 operations a PE: seidel's 168 with an II of 18 are mapped in 5 s.
 """
-
-_NAMING = frozenset({Opcode.LIVE_IN, Opcode.LIVE_OUT})
 
 _NEVER = 1 << 20
 """Stands for the length of a region that no mapping exists for."""
@@ -121,14 +119,8 @@ class Estimate:
         """Operations of the largest modulo-scheduled loop, those aside that half of the slots of so
         many PEs suffice for: recurrences give a mapper room.
         """
-        loops = [r.shape for r in self.regions if r.kind == "loop"]
-
-        def share(operations: int) -> float:
-            few = reassociated and operations <= _OF_REASSOCIATED * pes
-            return _ROOMY_REASSOCIATED if few else _ROOMY
-
-        slots = ((s.operations, s.ii * pes) for s in loops)
-        return max((n for n, room in slots if n > share(n) * room), default=0)
+        loops = (r.shape for r in self.regions if r.kind == "loop")
+        return max((s.operations for s in loops if not _is_roomy(s, pes, reassociated)), default=0)
 
     @property
     def largest_straight(self) -> int:
@@ -146,36 +138,24 @@ class Estimate:
         return next((r for r in self.regions if r.header == header and r.kind == "loop"), None)
 
 
-Spaces = Literal["none", "paying", "all"]
-
-_Graph = tuple[DFG, tuple[AddressForm | None, ...]]
-"""A graph without a name, and where its accesses go, which makes no other graph of it."""
+def _is_roomy(shape: Shape, pes: int, reassociated: bool) -> bool:
+    """Whether recurrences give a mapper room in a loop."""
+    few = reassociated and shape.operations <= _OF_REASSOCIATED * pes
+    share = _ROOMY_REASSOCIATED if few else _ROOMY
+    return shape.operations <= share * shape.ii * pes
 
 
 @dataclass(frozen=True, slots=True)
-class _Optimized:
-    """What the passes made of a region's graph: of it, or of one that differs in the names of its
-    variables, its lines and its addresses only.
+class Room:
+    """What is not estimated to its end, as it is not wanted: a loop with more operations that
+    recurrences give no room for; else regions that take more contexts.
     """
 
-    source: DFG
-    done: DFG
-    is_own: bool
+    operations: int
+    contexts: float
 
-    def like(self, other: DFG) -> _Optimized | None:
-        """What the passes would make of another such graph; None: an access is not found again."""
-        renamed = dict(zip(_variables(self.source), _variables(other), strict=True))
-        nodes: list[Node] = []
-        for node in self.done.nodes:
-            if node.op in _NAMING:
-                nodes.append(replace(node, name=renamed.get(node.name, node.name)))
-            elif not node.is_memory:
-                nodes.append(node)
-            elif node.id in other.by_id and other.by_id[node.id].op is node.op:
-                nodes.append(replace(node, address=other.by_id[node.id].address))
-            else:
-                return None
-        return _Optimized(other, DFG("", tuple(nodes), self.done.edges), False)
+
+Spaces = Literal["none", "paying", "all"]
 
 
 @dataclass
@@ -191,17 +171,20 @@ class Estimator:
     _prepared: dict[int, tuple[Function, Function]] = field(default_factory=dict)
     _built: dict[int, tuple[Function, Kernel]] = field(default_factory=dict)
     """Both by the identity of the function, which is kept so that nothing else gets it."""
-    _optimized: dict[int, _Optimized] = field(default_factory=dict)
+    _last: tuple[Function, Cut] | None = None
+    _optimized: dict[int, Optimized] = field(default_factory=dict)
     """By the identity of the graph."""
-    _alike: dict[DFG, _Optimized] = field(default_factory=dict)
+    _alike: dict[DFG, Optimized] = field(default_factory=dict)
     """By the graph with numbered variables."""
     _shapes: dict[tuple[str, DFG], Shape] = field(default_factory=dict)
     """Of optimised graphs with numbered variables, without stalls."""
-    _stalls: dict[_Graph, float] = field(default_factory=dict)
+    _stalls: dict[Graph, float] = field(default_factory=dict)
     _shape_of: dict[int, Shape] = field(default_factory=dict)
     """By the identity of a region's graph."""
 
-    def estimate(self, function: Function, hints: Mapping[str, float]) -> Estimate:
+    def estimate(
+        self, function: Function, hints: Mapping[str, float], room: Room | None = None
+    ) -> Estimate:
         """The estimate; infinite if a region cannot be mapped or the contexts do not suffice.
 
         Parameters
@@ -209,8 +192,15 @@ class Estimator:
         hints
             Iterations of loops by header, where the caller knows better, and how often a branch
             goes to a block.
+        room
+            Of what is beyond it as many regions are estimated as show that, and the estimate is
+            infinite.
         """
         function = self.prepared(function, hints)
+        beyond = self._beyond(function, room) if room is not None else []
+        if beyond:
+            shapes = [self.shape(region) for region in beyond]
+            return Estimate(math.inf, _costs(function, beyond, shapes, hints))
         return self._estimate(function, hints)
 
     def prepared(self, function: Function, hints: Mapping[str, float]) -> Function:
@@ -239,15 +229,7 @@ class Estimator:
         self, function: Function, kernel: Kernel, shapes: list[Shape], hints: Mapping[str, float]
     ) -> Estimate:
         """The cycles of a normalised function's regions if they have these shapes."""
-        trips = expected_trips(function, hints)
-        runs = frequencies(function, trips, hints)
-        entries = _entries(function, runs)
-        costs = tuple(
-            RegionCost(r.header, r.kind, shape, entries[r.header], trips[r.header], r.loc)
-            if r.kind == "loop"
-            else RegionCost(r.header, r.kind, shape, runs[r.header], 1.0, r.loc)
-            for r, shape in zip(kernel.regions, shapes, strict=True)
-        )
+        costs = _costs(function, kernel.regions, shapes, hints)
         switches = sum(cost.runs for cost in costs) * self.fabric.controller.switch_cycles
         total = sum(cost.cycles for cost in costs) + switches
         estimate = Estimate(total, costs)
@@ -283,7 +265,7 @@ class Estimator:
         return known
 
     def _shaped(self, dfg: DFG, kind: str) -> Shape:
-        alike, graph = (kind, _numbered(dfg)), _graph(dfg)
+        alike, graph = (kind, numbered(dfg)), with_addresses(dfg)
         problem = MapProblem(dfg, self.fabric)
         shape = self._shapes.get(alike)
         if shape is None:
@@ -300,7 +282,7 @@ class Estimator:
         names of its variables only is found again: of two stages of a plan, most regions do.
         """
         if id(dfg) not in self._optimized:
-            alike = _numbered(dfg)
+            alike = numbered(dfg)
             first = self._alike.get(alike)
             known = None if first is None else first.like(dfg)
             self._optimized[id(dfg)] = known or self._made(dfg)
@@ -312,20 +294,47 @@ class Estimator:
         reassociated = self.options.reassociate
         return estimate.largest_loop(len(self.fabric.pes), reassociated=reassociated)
 
-    def _made(self, dfg: DFG) -> _Optimized:
+    def _made(self, dfg: DFG) -> Optimized:
         done = replace(dfg, name="")
         for step in pipeline(self.options):
             time_limit.step("regions were optimised")
             done = step(done)
-        return _Optimized(dfg, done, True)
+        return Optimized(dfg, done, True)
+
+    def _beyond(self, function: Function, room: Room) -> list[Region]:
+        """As many regions of a prepared function as show that it is beyond the room; none if it is
+        not.
+        """
+        found: list[Region] = []
+        contexts = 0
+        pes, reassociated = len(self.fabric.pes), self.options.reassociate
+        for region in self._cut(function).loops_first():
+            shape = self.shape(region)
+            found.append(region)
+            contexts += shape.ii
+            if region.kind == "loop":
+                is_beyond = shape.operations > room.operations and not _is_roomy(
+                    shape, pes, reassociated
+                )
+            else:
+                is_beyond = contexts > room.contexts
+            if is_beyond:
+                return found
+        return []
 
     def built(self, function: Function) -> Kernel:
         """The regions of a prepared function; whoever looks on sees how they are made."""
         if is_watched():
             return build_kernel(function)
         if id(function) not in self._built:
-            self._built[id(function)] = function, build_kernel(function)
+            self._built[id(function)] = function, self._cut(function).kernel()
         return self._built[id(function)][1]
+
+    def _cut(self, function: Function) -> Cut:
+        """The regions of a prepared function, of which some may be built; the last one's only."""
+        if self._last is None or self._last[0] is not function:
+            self._last = function, Cut(function)
+        return self._last[1]
 
     def optimized_kernel(self, kernel: Kernel) -> Kernel:
         """As `optimize_kernel`; what was estimated is checked, but not optimised again."""
@@ -377,10 +386,15 @@ class Apart:
         costs = estimator.estimate(function, hints).regions if taken else ()
         return Apart(estimator, headers, tuple(cost for cost in costs if cost.header in taken))
 
-    def estimate(self, function: Function, *hints: Mapping[str, float]) -> tuple[Estimate, ...]:
+    def estimate(
+        self, function: Function, *hints: Mapping[str, float], room: Room | None = None
+    ) -> tuple[Estimate, ...]:
         """As the estimator does of a form, for each of several hints."""
         rest, _ = without_loops(function, self.headers) if self.others else (function, ())
-        return tuple(self._with_others(self.estimator.estimate(rest, one)) for one in hints)
+        if room is not None:
+            taken = sum(cost.shape.ii for cost in self.others)
+            room = replace(room, contexts=room.contexts - taken)
+        return tuple(self._with_others(self.estimator.estimate(rest, one, room)) for one in hints)
 
     def _with_others(self, estimate: Estimate) -> Estimate:
         if not self.others:
@@ -392,26 +406,21 @@ class Apart:
         return replace(every, cycles=math.inf) if every.contexts > controller.contexts else every
 
 
-def _graph(dfg: DFG) -> _Graph:
-    return replace(dfg, name=""), tuple(n.address for n in dfg.nodes if n.is_memory)
-
-
-def _variables(dfg: DFG) -> tuple[str, ...]:
-    """The variables that stand for values of a function, in the order of their nodes."""
-    named = (node.name for node in dfg.nodes if node.op in _NAMING)
-    return tuple(dict.fromkeys(name for name in named if name.startswith("%")))
-
-
-def _numbered(dfg: DFG) -> DFG:
-    """The graph without a name, its variables called by their order."""
-    numbers = {name: f"%{number}" for number, name in enumerate(_variables(dfg))}
-    nodes = (
-        replace(node, name=numbers[node.name])
-        if node.op in _NAMING and node.name in numbers
-        else node
-        for node in dfg.nodes
+def _costs(
+    function: Function,
+    regions: Sequence[Region],
+    shapes: Iterable[Shape],
+    hints: Mapping[str, float],
+) -> tuple[RegionCost, ...]:
+    trips = expected_trips(function, hints)
+    runs = frequencies(function, trips, hints)
+    entries = _entries(function, runs)
+    return tuple(
+        RegionCost(r.header, r.kind, shape, entries[r.header], trips[r.header], r.loc)
+        if r.kind == "loop"
+        else RegionCost(r.header, r.kind, shape, runs[r.header], 1.0, r.loc)
+        for r, shape in zip(regions, shapes, strict=True)
     )
-    return DFG("", tuple(nodes), dfg.edges)
 
 
 def _entries(function: Function, runs: Mapping[str, float]) -> dict[str, float]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
 from itertools import product
 
-from vividc.compiler.planning.estimate import Apart, Estimate, Estimator
+from vividc.compiler.planning.estimate import Apart, Estimate, Estimator, Room
 from vividc.compiler.planning.parts import expected_lengths, static_part, with_loops, written_orders
 from vividc.compiler.planning.state import State
 from vividc.host import time_limit
@@ -257,6 +257,7 @@ class _Climb:
 
     def __post_init__(self) -> None:
         self.relations = Relations(self.scop)
+        self.contexts = self.estimator.fabric.controller.contexts
         self.larger = {name: _LARGER * length for name, length in self.symbols.items()}
         inside = {dim.header for one in self.scop.statements for dim in one.dims}
         function, hints = self.state.function, self.state.hints
@@ -349,9 +350,11 @@ class _Climb:
 
     def _is_far_too_long(self, tree: Loop) -> bool:
         """Whether it would take so many contexts that no such groups can fit."""
+        most = _FAR * self.contexts
         made = self._try(tree)
-        contexts = self.estimator.fabric.controller.contexts
-        return made is not None and made.estimate.contexts > _FAR * contexts
+        if made is not None and made.cycles == math.inf and made.estimate.contexts <= most:
+            made = self._made(tree, most_contexts=most)
+        return made is not None and made.estimate.contexts > most
 
     def _is_triangle(self, tree: Loop, given: Mapping[Path, int]) -> bool:
         """Whether bounds of a loop change from one iteration of these loops to the next."""
@@ -433,32 +436,29 @@ class _Climb:
             self._tried[name] = self._made(tree) if legal else None
         return self._tried.get(name)
 
-    def _made(self, tree: Loop, *, carries: bool = True) -> Restructured | None:
+    def _made(
+        self, tree: Loop, *, carries: bool = True, most_contexts: float | None = None
+    ) -> Restructured | None:
         name = describe(tree)
         if name not in self._loops:
             self._loops[name] = loops_of(tree, self.relations)
         loops = self._loops[name]
         if isinstance(loops, Refusal) or self._is_too_large(loops):
             return None
-        made = with_loops(
-            self.state,
-            self.scop,
-            loops,
-            self.symbols,
-            masks=has_masks(tree),
-            rows=rows_of(tree),
-            carries=carries,
-        )
+        given = self.state, self.scop, loops, self.symbols
+        masks, rows = has_masks(tree), rows_of(tree)
+        made = with_loops(*given, masks=masks, rows=rows, carries=carries)
         if isinstance(made, Refusal):
             return None
         hints = made.state.hints
         larger = {**hints, **made.hints(loops, self.larger)}
-        estimate, large = self.apart.estimate(made.state.function, hints, larger)
+        room = Room(self.most_operations, most_contexts or self.contexts)
+        estimate, large = self.apart.estimate(made.state.function, hints, larger, room=room)
         if self.estimator.largest_loop(estimate) > self.most_operations:
             return None
         mean = math.sqrt(estimate.cycles * large.cycles)
-        state, factor, carries = made.state, made.factor, made.carries
-        return Restructured(state, estimate, self.order, tree, factor, mean, carries)
+        order, factor, carries = self.order, made.factor, made.carries
+        return Restructured(made.state, estimate, order, tree, factor, mean, carries)
 
     def _is_too_large(self, loops: Loops) -> bool:
         """Whether an innermost loop is sure to have too many operations, even if two instructions

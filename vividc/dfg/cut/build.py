@@ -23,7 +23,7 @@ from vividc.ssa.analysis.counted import Trip, count_loop
 from vividc.ssa.edit import defined_types, incoming, uses
 from vividc.ssa.flow import Loop, pipelined_loops, preheader_of
 from vividc.ssa.ir import Block, Function, Ref, Value
-from vividc.ssa.polyhedral.distances import Meetings
+from vividc.ssa.polyhedral.distances.meetings import Meetings
 from vividc.ssa.rewrite.diamonds import merge_diamonds
 from vividc.ssa.rewrite.hoist import hoist_invariants
 from vividc.ssa.rewrite.hoist_loads import hoist_loads
@@ -60,19 +60,52 @@ def build_kernel(function: Function) -> Kernel:
     KernelError
         If the control flow is irreducible, or a loop can neither end nor return.
     """
-    plan = _plan(run_passes(SHAPING, function))
-    cutter = _Cutter(plan)
-    regions = _drop_empty(cutter.regions())
-    return Kernel(
-        function.name,
-        function.params,
-        tuple(regions),
-        function.returns,
-        function.file,
-        function.locals,
-        function.spaced,
-        function.results,
-    )
+    return Cut(function).kernel()
+
+
+class Cut:
+    """The regions of `function`, each built when it is asked for.
+
+    Raises
+    ------
+    KernelError
+        As `build_kernel`.
+    """
+
+    def __init__(self, function: Function) -> None:
+        self._function = function
+        self._cutter = _Cutter(_plan(run_passes(SHAPING, function)))
+        self._built: dict[int, Region] = {}
+
+    def loops_first(self) -> Iterator[Region]:
+        """Loops, those with the most instructions first, then straight regions in order, without
+        empty ones: what isl is asked about straight code depends on what it was asked before.
+        """
+        cutter = self._cutter
+        positions = sorted(range(len(cutter.order)), key=cutter.loop_size, reverse=True)
+        for region in map(self._region, positions):
+            if not _is_empty(region):
+                yield region
+
+    def kernel(self) -> Kernel:
+        """All of them."""
+        regions = [self._region(position) for position in range(len(self._cutter.order))]
+        function = self._function
+        return Kernel(
+            function.name,
+            function.params,
+            tuple(_drop_empty(regions)),
+            function.returns,
+            function.file,
+            function.locals,
+            function.spaced,
+            function.results,
+        )
+
+    def _region(self, position: int) -> Region:
+        if position not in self._built:
+            self._built[position] = self._cutter.region(position)
+        return self._built[position]
 
 
 def _plan(function: Function) -> _Plan:
@@ -113,14 +146,17 @@ class _Cutter:
         self.read = self._values_read_elsewhere()
         self.meetings = Meetings(plan.entries.explained)
 
-    def regions(self) -> list[Region]:
-        """All regions; a loop stands where its header stood."""
-        return [
-            self._loop(name, position)
-            if name in self.plan.loops
-            else self._straight(name, position)
-            for position, name in enumerate(self.order)
-        ]
+    def region(self, position: int) -> Region:
+        """The region at a place; a loop stands where its header stood."""
+        name = self.order[position]
+        is_loop = name in self.plan.loops
+        return self._loop(name, position) if is_loop else self._straight(name, position)
+
+    def loop_size(self, position: int) -> int:
+        """Instructions of the loop at a place; -1 for a straight region."""
+        loop = self.plan.loops.get(self.order[position])
+        blocks = self.plan.function.by_name
+        return -1 if loop is None else sum(len(blocks[name].instrs) for name in loop.blocks)
 
     def _home(self, block: str) -> str:
         """The block that names the region `block` is in."""

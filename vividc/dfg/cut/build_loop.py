@@ -31,7 +31,8 @@ from vividc.ssa.ir import (
     Ref,
     Value,
 )
-from vividc.ssa.polyhedral.distances import Meetings, Place
+from vividc.ssa.polyhedral.distances.linear import Place
+from vividc.ssa.polyhedral.distances.meetings import Meetings
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,8 @@ from vividc.dfg.ir import DFG, AddressForm, Control, Node
 from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE
 from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
 from vividc.ssa.ir import Block, Const, Input, Ref, Value
-from vividc.ssa.polyhedral.distances import Meetings, Place
+from vividc.ssa.polyhedral.distances.linear import Place
+from vividc.ssa.polyhedral.distances.meetings import Meetings
 
 
 def variable(ident: int) -> str:

@@ -15,7 +15,8 @@ from vividc.machine.words import WORD_BYTES
 from vividc.ssa.edit import block_of, defined_types, substitute, with_blocks
 from vividc.ssa.flow import Loop, find_loops, pipelined_loops, predecessors
 from vividc.ssa.ir import Block, Function, Input, Instr, Phi, Ref, Value
-from vividc.ssa.polyhedral.distances import Distances, Meetings, Place
+from vividc.ssa.polyhedral.distances.linear import Distances, Place
+from vividc.ssa.polyhedral.distances.meetings import Meetings
 from vividc.ssa.rewrite.hoist_loads import Preface
 
 _LOAD, _STORE = 2, 3

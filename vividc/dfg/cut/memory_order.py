@@ -9,7 +9,8 @@ from typing import Final
 from vividc.dfg.builder import GraphBuilder, Operand
 from vividc.machine.opcodes import Opcode
 from vividc.ssa.analysis.alias import different_elements
-from vividc.ssa.polyhedral.distances import Distances, Meetings, Place
+from vividc.ssa.polyhedral.distances.linear import Distances, Place
+from vividc.ssa.polyhedral.distances.meetings import Meetings
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,7 +22,8 @@ from vividc.ssa.edit import (
 )
 from vividc.ssa.flow import Loop, find_loops, preheader_of
 from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Phi, Ref, Value, is_dimension
-from vividc.ssa.polyhedral.distances import Meetings, NotMore, Place
+from vividc.ssa.polyhedral.distances.linear import Place
+from vividc.ssa.polyhedral.distances.meetings import Meetings, NotMore
 from vividc.ssa.rewrite.clone import clone_blocks, extend_phis, repair_uses
 from vividc.ssa.rewrite.refusal import Refusal
 

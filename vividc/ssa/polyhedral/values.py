@@ -106,6 +106,7 @@ class Expressions:
     _symbols: dict[Value | tuple[object, ...], Expression] = field(init=False, default_factory=dict)
     _facts: isl.Set = field(init=False)
     _memo: dict[Value, Expression | None] = field(init=False, default_factory=dict)
+    _runs: dict[str, isl.Set] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         """Indexes definitions and loops."""
@@ -123,6 +124,11 @@ class Expressions:
     def universe(self) -> isl.Set:
         """All iterations, and what is known of the parameters met so far."""
         return self._facts
+
+    @property
+    def met(self) -> int:
+        """How many parameters were met so far."""
+        return len(self._symbols)
 
     def of(self, value: Value) -> Expression | None:
         """The signed word `value` in the iteration that computes it; None if it is not affine."""
@@ -173,12 +179,14 @@ class Expressions:
 
     def domain(self, block: str) -> isl.Set:
         """Iterations in which `block` may run: branches on every way there say so."""
-        runs = isl.Set.universe(self._space)
-        for condition, truth in _conditions(self.function, block):
-            held = self.holds(condition, truth)
-            if held is not None:
-                runs = runs.intersect(held)
-        return runs.intersect(self._facts)
+        if block not in self._runs:
+            runs = isl.Set.universe(self._space)
+            for condition, truth in _conditions(self.function, block):
+                held = self.holds(condition, truth)
+                if held is not None:
+                    runs = runs.intersect(held)
+            self._runs[block] = runs
+        return self._runs[block].intersect(self._facts)
 
     def holds(self, predicate: Value, truth: bool) -> isl.Set | None:
         """Iterations in which a predicate has this truth; None if it is not affine."""
