@@ -335,3 +335,23 @@ def test_what_a_kernels_own_array_overwrote_cannot_be_read() -> None:
     job.move_out(0, 32, rest[:8], after=[anew])
     assert job.simulate().values[run] == 7
     assert rest.tolist() == [*range(8), *[77] * 8176]
+
+
+def test_a_kernel_without_arrays_of_its_own_overwrites_nothing() -> None:
+    x, out = np.arange(16, dtype=np.int32), np.zeros(16, np.int32)
+    job = Job("vivid")
+    moved = job.move_in(0, x, 0)
+    run = job.run(0, program(total), x=At(0, (8,)), after=[moved])
+    job.move_out(0, 0, out, after=[run])
+    assert job.simulate().values[run] == 28
+    assert out.tolist() == x.tolist()
+
+
+def test_arrays_that_a_kernel_makes_lie_where_they_are_told_to() -> None:
+    x, rest = np.arange(8, dtype=np.int32), np.full(8, 77, np.int32)
+    job = Job("vivid")
+    moves = [job.move_in(0, x, 0), job.move_in(0, rest, 1024)]
+    run = job.run(0, program(turned), own_at=1024, x=At(0, (8,)), after=moves)
+    with pytest.raises(ArgumentError, match="bytes 1024 to 1056 of tile 0, where arrays that turn"):
+        job.move_out(0, 1024, rest, after=[run])
+    assert job.simulate().values[run] == 7

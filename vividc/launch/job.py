@@ -202,17 +202,24 @@ class Job:
         return all(tile in self._held and self._held[tile][0] is program for tile in tiles)
 
     def run(
-        self, tile: int, program: Program, *, after: Sequence[int] = (), **arguments: object
+        self,
+        tile: int,
+        program: Program,
+        *,
+        after: Sequence[int] = (),
+        own_at: object = None,
+        **arguments: object,
     ) -> int:
         """Run a program on a tile; it is loaded first if the tile does not hold it.
 
         Parameters
         ----------
+        own_at
+            The byte from which arrays lie that the kernel makes. None: behind the last argument,
+            or, if earlier steps put something there, behind all of that. Where there is no room
+            but theirs, a later step that reads what they overwrote is refused.
         arguments
-            The kernel's arguments by name: scalars, and `At` for arrays. Arrays that the kernel
-            makes lie behind the last of them, or, if earlier steps put something there, behind
-            all of that. Where there is no room but theirs, a later step that reads what they
-            overwrote is refused.
+            The kernel's arguments by name: scalars, and `At` for arrays.
 
         Raises
         ------
@@ -222,10 +229,11 @@ class Job:
         """
         demand_type(program, Program, "the program", "compile a kernel with vividc.compile")
         demand_type(tile, (int, np.integer), "a tile", "give a tile's number, as 0")
+        demand_type(own_at, (int, type(None)), "own_at", "give a byte of the scratchpad, or None")
         where = self._tiles(tile)
         inputs, extents = _bound(program, arguments)
         arguments_at = dict(extents)
-        own = self._place_own(tile, program, inputs, extents)
+        own = self._place_own(tile, program, inputs, extents, own_at)
         _refuse_overlap(program, extents)
         for name, (start, end) in extents.items():
             if start % WORD_BYTES:
@@ -234,7 +242,7 @@ class Job:
         for name, (start, end) in arguments_at.items():
             if name in program.loaded_arrays:
                 self._own.demand_kept(tile, start, end, f"{name} of {program.name}")
-        self._own.take(tile, self._steps, own, program.name)
+        self._own.take(tile, own, program.name)
         for name in program.stored_arrays & arguments_at.keys():
             self._own.refill(where, *arguments_at[name])
         return self.execute(tile, program, inputs, extents, after=after)
@@ -245,13 +253,17 @@ class Job:
         program: Program,
         inputs: dict[str, int],
         extents: dict[str, tuple[int, int]],
+        own_at: object,
     ) -> tuple[int, int]:
         """Add the places of the arrays that a kernel makes; first byte and end of all of them."""
         sizes = {local.name: WORD_BYTES * local.at_launch(inputs).words for local in program.locals}
         total = sum(sizes.values())
-        end = max((-(-end // WORD_BYTES) * WORD_BYTES for _, end in extents.values()), default=0)
-        room = self.accelerator.units[tile].scratchpad.size_bytes
-        start = self._own.place(tile, self._steps, total, end, room)
+        if isinstance(own_at, int):
+            start = own_at
+        else:
+            ends = (-(-end // WORD_BYTES) * WORD_BYTES for _, end in extents.values())
+            room = self.accelerator.units[tile].scratchpad.size_bytes
+            start = self._own.place(tile, total, max(ends, default=0), room)
         place = start
         for name, size in sizes.items():
             extents[name] = (place, place + size)
@@ -332,6 +344,7 @@ class Job:
 
     def _add(self, step: Step) -> int:
         self._steps.append(step)
+        self._own.note(step)
         return len(self._steps) - 1
 
     def _after(self, after: Sequence[int]) -> tuple[int, ...]:

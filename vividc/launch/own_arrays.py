@@ -10,11 +10,12 @@ may run, and a job's result does not depend on which.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from vividc.errors import ArgumentError
-from vividc.launch.steps import Execute, Step, Transfer, tiles_of
+from vividc.launch.steps import Execute, Step, Transfer
 from vividc.program import WORD_BYTES
 
 
@@ -32,19 +33,34 @@ class OwnArrays:
 
     def __init__(self) -> None:
         self._lost: dict[int, list[_Lost]] = {}
+        self._held: dict[int, dict[tuple[int, int], None]] = defaultdict(dict)
 
-    def place(self, tile: int, steps: Sequence[Step], size: int, end: int, room: int) -> int:
+    def note(self, step: Step) -> None:
+        """A step was added: keep first bytes and ends of what it puts into its tiles."""
+        if isinstance(step, Transfer):
+            if step.kind != "move out":
+                for tile in step.tiles:
+                    self._held[tile][step.extent(step.size)] = None
+        elif isinstance(step, Execute):
+            own = {local.name for local in step.program.locals}
+            for name, extent in step.stores.items():
+                if name not in own:
+                    self._held[step.tile][extent] = None
+
+    def place(self, tile: int, size: int, end: int, room: int) -> int:
         """First byte for own arrays of `size` bytes, of a run whose arguments end at `end`."""
-        held = list(_held(tile, steps))
+        held = self._held[tile]
         if size == 0 or not any(start < end + size and end < stop for start, stop in held):
             return end
         beyond = max(end, *(-(-stop // WORD_BYTES) * WORD_BYTES for _, stop in held))
         return beyond if beyond + size <= room else end
 
-    def take(self, tile: int, steps: Sequence[Step], own: tuple[int, int], program: str) -> None:
+    def take(self, tile: int, own: tuple[int, int], program: str) -> None:
         """A run's own arrays lie here: what earlier steps left is lost."""
         start, end = own
-        for first, stop in _held(tile, steps):
+        if start == end:
+            return
+        for first, stop in self._held[tile]:
             if first < end and start < stop:
                 lost = _Lost(max(first, start), min(stop, end), program)
                 self._lost.setdefault(tile, []).append(lost)
@@ -77,15 +93,3 @@ class OwnArrays:
                     hint="the scratchpad has no other room for these: put less into the tile "
                     "before that run, or move it in again behind it",
                 )
-
-
-def _held(tile: int, steps: Sequence[Step]) -> Iterator[tuple[int, int]]:
-    """First bytes and ends of what steps put into a tile's scratchpad."""
-    for step in steps:
-        if tile not in tiles_of(step):
-            continue
-        if isinstance(step, Transfer) and step.kind != "move out":
-            yield step.extent(step.size)
-        elif isinstance(step, Execute):
-            own = {local.name for local in step.program.locals}
-            yield from (extent for name, extent in step.stores.items() if name not in own)
