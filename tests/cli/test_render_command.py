@@ -13,7 +13,8 @@ from PIL import Image
 from vividc.cli import main
 from vividc.render import Camera, Scene, read_views
 from vividc.render.array import ArrayFrame, ArrayOptions, Ledger, open_device
-from vividc.render.array.device.launches import Launch, Move, run_launches
+from vividc.render.array.device.launch import Launch, Move
+from vividc.render.array.device.launches import run_launches
 
 MIC = Path(__file__).parents[2] / "scenes" / "mic"
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from vividc import KernelFunction
 from vividc.render.array import Ledger
-from vividc.render.array.device.launches import Gathered, Launch, Move
+from vividc.render.array.device.launch import Gathered, Launch, Move
 from vividc.render.array.device.programs import kernel_folder, kernel_module
 from vividc.render.array.network.networks import in_blocks
 from vividc.render.arrays import Float32Array, Int32Array

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import SimpleNamespace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -11,7 +11,9 @@ import pytest
 from vividc.render import SceneError
 from vividc.render.array import Device, Ledger
 from vividc.render.array.device.gather import gather_rows
-from vividc.render.array.device.launches import Launch, Move, Places, dealt, run_launches
+from vividc.render.array.device.launch import Launch, Move
+from vividc.render.array.device.launches import Phase, dealt, in_turn, run_launches, run_phases
+from vividc.render.array.device.places import Places
 
 KERNEL = "saxpy:saxpy"
 
@@ -113,20 +115,21 @@ def test_what_does_not_fit_is_told_with_its_sizes(device: Device) -> None:
 
 @pytest.mark.parametrize("banks", [4, 8, 32])
 def test_copies_of_arrays_lie_apart_in_the_banks_asked_for(banks: int) -> None:
-    fabric = SimpleNamespace(scratchpad=SimpleNamespace(banks=banks))
     wishes = {"x": 3, "y": 0}
-    program = SimpleNamespace(name="saxpy", banks=wishes, fabric=fabric)
-    y = np.zeros(5, np.float32)
+    y, same = np.zeros(5, np.float32), np.zeros(7, np.float32)
     share = [launch(np.zeros(9, np.float32), y, shared=True) for _ in range(3)]
-    places = Places(program, share, 2048)
-    ends = [0]
-    for starts, sizes in ((places.shared, {"x": 36}), (places.own, {"y": 20})):
-        assert len(starts) == 2
-        for start in starts:
-            for name, address in places.addresses(sizes, start).items():
-                assert address // 4 % banks == wishes[name]
-                assert address >= ends[-1]
-                ends.append(address + sizes[name])
+    share = [replace(one, shared={**one.shared, "z": same}) for one in share]
+    places = Places("saxpy", wishes, banks, share, 2048, first=["z"])
+    own = [places.addresses({"y": 20}, start)["y"] for start in places.own]
+    at = {**places.held, "y": own}
+    assert {name: len(starts) for name, starts in at.items()} == {"z": 1, "x": 2, "y": 2}
+    assert places.held["z"] == [0]
+    for name, starts in at.items():
+        assert {start // 4 % banks for start in starts} == {wishes.get(name, 0)}
+    sizes = {"z": 28, "x": 36, "y": 20}
+    spans = sorted((start, start + sizes[name]) for name, starts in at.items() for start in starts)
+    assert all(end <= start for (_, end), (start, _) in pairwise(spans))
+    assert spans[-1][1] <= places.end
 
 
 def test_rows_are_gathered_in_pieces(device: Device) -> None:
@@ -139,3 +142,38 @@ def test_rows_are_gathered_in_pieces(device: Device) -> None:
     )
     assert gather_rows(device, ledger, "other", table, []).shape == (0, 7)
     assert list(ledger.stages) == ["test"]
+
+
+def test_a_phase_reads_what_the_one_before_wrote(device: Device) -> None:
+    """40 launches, each of a tile that runs the second phase of another one's part, too."""
+    x, ledger = np.arange(30, dtype=np.float32), Ledger()
+    ys, zs = (np.ones((40, 30), np.float32) for _ in range(2))
+    first = [launch(x, y, shared=True) for y in ys]
+    second = [launch(y, z) for y, z in zip(ys[::-1], zs[::-1], strict=True)]
+    phases = [Phase(KERNEL, in_turn(some, device.tiles)) for some in (first, second)]
+    run_phases(device, ledger, "test", phases)
+    np.testing.assert_array_equal(ys, np.tile(1 + 2 * x, (40, 1)))
+    np.testing.assert_array_equal(zs, 1 + 2 * ys)
+    assert (ledger.stages["test"].jobs, ledger.stages["test"].runs) == (1, 80)
+
+
+def test_what_is_carried_on_may_start_with_something(device: Device) -> None:
+    """Four launches add to each of three sums, which come from DRAM and leave once."""
+    x, sums = np.ones(50, np.float32), np.arange(150, dtype=np.float32).reshape(3, 50)
+    own = list(sums)
+    expected = sums + 2 * 4
+    launches = [
+        Launch(
+            shapes={"y": (50,)},
+            shared={"x": x},
+            carried={"y": one},
+            starts={"y": one},
+            scalars={"n": 50, "a": 2.0},
+        )
+        for one in own
+        for _ in range(4)
+    ]
+    ledger = Ledger()
+    run_launches(device, ledger, "test", KERNEL, launches)
+    np.testing.assert_array_equal(sums, expected)
+    assert ledger.stages["test"].stats[0]["bytes"]["scratchpad_out"] == sums.nbytes

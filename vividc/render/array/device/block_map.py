@@ -12,7 +12,8 @@ import numpy.typing as npt
 from vividc.launch.turns import neighbours
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
-from vividc.render.array.device.launches import Gathered, Launch, Words, run_shares
+from vividc.render.array.device.launch import Gathered, Launch, Words
+from vividc.render.array.device.launches import run_shares
 
 _LAUNCHES = 4
 """A tile gets at least so many launches, so that there is something to hide transfers behind."""

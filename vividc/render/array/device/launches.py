@@ -1,4 +1,4 @@
-"""Launches of one kernel on the tiles: the data of each is moved in while the previous one runs."""
+"""Launches of kernels on the tiles: the data of each is moved in while the previous one runs."""
 
 from __future__ import annotations
 
@@ -6,10 +6,9 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
-from typing import Final, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
+from numpy.lib.array_utils import byte_bounds
 
 import vividc
 from vividc.launch import At, Job, Listed
@@ -17,136 +16,27 @@ from vividc.launch.turns import Turns, deal
 from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
-from vividc.render.errors import SceneError
+from vividc.render.array.device.launch import (
+    Gathered,
+    Launch,
+    Moved,
+    Words,
+    bytes_of,
+    pieces,
+)
+from vividc.render.array.device.places import Places
 
-Words = npt.NDArray[np.generic]
-_COPIES: Final = ((2, 2), (1, 2), (1, 1))
-"""Of shared and of own arrays, the best first: one is used while the next is moved in."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Gathered:
-    """Rows of a table, by indices [n] int32 or uint32 that DRAM holds when the job runs."""
-
-    table: Words
-    indices: Words
-
-    @property
-    def nbytes(self) -> int:
-        """Of the chosen rows."""
-        return len(self.indices) * int(self.table[:1].nbytes)
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Of the chosen rows, one below the other."""
-        return (len(self.indices), *self.table.shape[1:])
+Shares = Sequence[Sequence[Launch]]
+"""What each tile runs, one after the other."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Move:
-    """Elements of a kernel's array, from `first` on, that are copied from or to an array, or are
-    rows of one.
-    """
+class Phase:
+    """Launches of one kernel, as in `Programs.get`; None: what they move in is moved out again."""
 
-    array: Words | Gathered
-    first: int = 0
-
-    @property
-    def first_byte(self) -> int:
-        """Of the kernel's array."""
-        return WORD_BYTES * self.first
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Fetched:
-    """Rows of a table that the kernel itself asks for, in an array of words.
-
-    A launch runs twice. With the scalar `phase` 0 the kernel writes there how many rows it wants,
-    and behind that word their numbers. They come to the same place, from word `first` on, and the
-    kernel runs with `phase` 1. Of more than `most` rows none is to be asked for.
-    """
-
-    table: Words
-    most: int
-    first: int
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Words of the array."""
-        row = self.table[:1].nbytes // WORD_BYTES
-        return (max(1 + self.most, self.first + row * self.most),)
-
-
-Moved: TypeAlias = Words | Gathered | Sequence[Move]
-"""A whole array, contiguous or strided, rows of one, or pieces."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Launch:
-    """One run of a kernel; arrays have elements of four bytes.
-
-    Attributes
-    ----------
-    shapes
-        Of array parameters that are moved in pieces, and of those that the kernel works in.
-    inputs
-        What is moved in before, by parameter.
-    outputs
-        What is moved out after it: arrays or pieces, not rows.
-    shared
-        Arrays that stay in the scratchpad while the next launches of the tile name the same ones.
-    fetched
-        Rows that the kernel asks for, by parameter.
-    carried
-        Arrays that launches in a row, which name the same ones, hand on to each other. They stay in
-        a scratchpad, hold nothing before the first of these launches, and leave after the last.
-    work
-        Arrays that hold nothing when the kernel starts or ends, by parameter.
-    scalars
-        The other arguments.
-    cost
-        How long it takes, in any unit: `run_launches` deals out by it.
-    """
-
-    shapes: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
-    inputs: Mapping[str, Moved] = field(default_factory=dict)
-    outputs: Mapping[str, Words | Sequence[Move]] = field(default_factory=dict)
-    shared: Mapping[str, Words] = field(default_factory=dict)
-    fetched: Mapping[str, Fetched] = field(default_factory=dict)
-    carried: Mapping[str, Words] = field(default_factory=dict)
-    work: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
-    scalars: Mapping[str, object] = field(default_factory=dict)
-    cost: float = 1.0
-
-    @property
-    def sizes(self) -> dict[str, int]:
-        """Bytes of each array that is neither held nor work."""
-        rows = {name: some.shape for name, some in self.fetched.items()}
-        sizes = {name: WORD_BYTES * math.prod(s) for name, s in (rows | {**self.shapes}).items()}
-        sizes |= {name: array.nbytes for name, array in self._whole()}
-        return {name: size for name, size in sizes.items() if name not in self.shared}
-
-    @property
-    def all_shapes(self) -> dict[str, tuple[int, ...]]:
-        """Of each array."""
-        whole = (*self._whole(), *self.held.items())
-        shapes = {name: array.shape for name, array in (*whole, *self.fetched.items())}
-        return {**shapes, **self.shapes, **self.work}
-
-    @property
-    def group(self) -> tuple[int, ...]:
-        """A key that is equal for launches with the same held arrays."""
-        return tuple(map(id, self.held.values()))
-
-    @property
-    def held(self) -> dict[str, Words]:
-        """Arrays that stay in a scratchpad from launch to launch."""
-        return {**self.shared, **self.carried}
-
-    def _whole(self) -> Iterator[tuple[str, Words | Gathered]]:
-        for name, array in (*self.inputs.items(), *self.outputs.items()):
-            if isinstance(array, np.ndarray | Gathered) and name not in self.shapes:
-                yield name, array
+    kernel: str | None
+    shares: Shares
+    options: Mapping[str, object] = field(default_factory=dict)
 
 
 def run_launches(
@@ -187,28 +77,35 @@ def run_shares(
     device: Device,
     ledger: Ledger,
     stage: str,
-    kernel: str,
-    shares: Sequence[Sequence[Launch]],
+    kernel: str | None,
+    shares: Shares,
     **options: object,
 ) -> list[list[int]]:
     """Run each tile's share of launches as one job, book it, and return what each returned.
 
     Outputs are updated in place. Parameters and errors as of `run_launches`.
     """
-    if not any(shares):
-        return [[] for _ in shares]
-    program = device.programs.get(kernel, **options)
+    return run_phases(device, ledger, stage, [Phase(kernel, shares, options)])[0]
+
+
+def run_phases(
+    device: Device, ledger: Ledger, stage: str, phases: Sequence[Phase]
+) -> list[list[list[int]]]:
+    """As `run_shares`, of several phases in one job: launches of a phase may read what the phases
+    before have written, and a tile goes on to the next phase when its own part is done.
+    """
+    if not any(any(phase.shares) for phase in phases):
+        return [[[] for _ in phase.shares] for phase in phases]
     job = device.new_job()
+    programs = [
+        device.programs.get(phase.kernel, **phase.options) if phase.kernel else None
+        for phase in phases
+    ]
     with ledger.timed(stage):
-        tiles = {
-            tile: _Tile(job, tile, program, Places(program, share, device.scratchpad_bytes))
-            for tile, share in enumerate(shares)
-            if share
-        }
-        _hold_together(job, tiles, [launch for share in shares for launch in share])
-        runs = [tiles[tile].add(share) if share else [] for tile, share in enumerate(shares)]
+        graph = _Graph(device, job)
+        runs = [graph.add(*pair) for pair in zip(programs, phases, strict=True)]
     values = device.finish(ledger, stage, job).values
-    return [[int(values[run] or 0) for run in share] for share in runs]
+    return [[[int(values.get(run) or 0) for run in share] for share in shares] for shares in runs]
 
 
 def dealt(launches: Sequence[Launch], tiles: int) -> list[list[int]]:
@@ -233,97 +130,143 @@ def dealt(launches: Sequence[Launch], tiles: int) -> list[list[int]]:
     return [[n for index in share for n in groups[index]] for share in deal(costs, tiles)]
 
 
-class Places:
-    """Where a tile's arrays lie: those that are held first, once or twice, then the others,
-    likewise, and work arrays, once.
+def in_turn(launches: Sequence[Launch], tiles: int) -> list[Sequence[Launch]]:
+    """Deal launches to tiles one after the other."""
+    return [launches[tile::tiles] for tile in range(tiles)]
+
+
+class _Graph:
+    """Adds phases to a job; the launches of all tiles in turn, so that none waits for transfers of
+    another tile's second launch before its first.
     """
 
-    def __init__(self, program: vividc.Program, share: Sequence[Launch], room: int) -> None:
-        self._banks = program.banks
-        self._count = program.fabric.scratchpad.banks
-        self._line = WORD_BYTES * self._count
-        own = [launch.sizes for launch in share]
-        shared = {launch.group: _sizes(launch.held) for launch in share}
-        needs = [max(self._end(sizes) for sizes in some) for some in (shared.values(), own)]
-        room -= max(self._end(_bytes(launch.work)) for launch in share)
-        copies = dict.fromkeys((min(few, len(shared)), many) for few, many in _COPIES)
-        fits = [some for some in copies if some[0] * needs[0] + some[1] * needs[1] <= room]
-        if not fits:
-            most = [max(some, key=self._end) for some in (list(shared.values()), own)]
-            raise SceneError(
-                f"a launch of {program.name} needs {sum(needs)} bytes of a scratchpad of {room}: "
-                + ", ".join(f"{name} {size}" for sizes in most for name, size in sizes.items()),
-                hint="use a smaller model, or a fabric whose tiles have larger scratchpads",
-            )
-        few, many = fits[0]
-        self.shared = [needs[0] * copy for copy in range(few)]
-        self.own = [needs[0] * few + needs[1] * copy for copy in range(many)]
-        self.work = needs[0] * few + needs[1] * many
+    def __init__(self, device: Device, job: Job) -> None:
+        self._device, self._job = device, job
+        self._ends: dict[int, list[int]] = {}
+        self._left: list[tuple[Words, int]] = []
 
-    def addresses(self, sizes: Mapping[str, int], start: int) -> dict[str, int]:
-        """Return the address of each array from `start` on, in the bank the compiler wished for."""
-        addresses = {}
-        word = start // WORD_BYTES
-        for name, size in sizes.items():
-            word += (self._banks.get(name, 0) - word) % self._count
-            addresses[name] = WORD_BYTES * word
-            word += size // WORD_BYTES
-        return addresses
+    def add(self, program: vividc.Program | None, phase: Phase) -> list[list[int]]:
+        """Add a phase; return the last run of each launch."""
+        scratchpad = self._device.programs.machine.fabric.scratchpad
+        name, room = "copies", scratchpad.size_bytes
+        wishes: Mapping[str, int] = {}
+        if program is not None:
+            name, wishes = program.name, program.banks
+            room -= WORD_BYTES * sum(local.words for local in program.locals)
+        common = _common([launch for share in phase.shares for launch in share])
+        written = _Written(self._left)
+        tiles = {}
+        for number, share in enumerate(phase.shares):
+            if share:
+                places = Places(name, wishes, scratchpad.banks, share, room, first=common)
+                before = self._ends.get(number, [])
+                tiles[number] = _Tile(self._job, number, program, places, before, written)
+        self._hold_together(tiles, common, written)
+        runs: list[list[int]] = [[] for _ in phase.shares]
+        adding = {number: tile.add(phase.shares[number]) for number, tile in tiles.items()}
+        while adding:
+            for number in list(adding):
+                run = next(adding[number], None)
+                if run is None:
+                    del adding[number]
+                else:
+                    runs[number].append(run)
+        for number, tile in tiles.items():
+            self._ends[number] = tile.end()
+            self._left += tile.leaving
+        return runs
 
-    def _end(self, sizes: Mapping[str, int]) -> int:
-        """Return the bytes that arrays take, in whole lines of banks: so many bytes further on they
-        lie in the same banks.
-        """
-        if not sizes:
-            return 0
-        name, address = list(self.addresses(sizes, 0).items())[-1]
-        return -(-(address + sizes[name]) // self._line) * self._line
+    def _hold_together(
+        self, tiles: Mapping[int, _Tile], common: Mapping[str, Words], written: _Written
+    ) -> None:
+        """Move in what all launches hold once, to all tiles."""
+        before = sorted({step for tile in tiles.values() for step in tile.before})
+        for name, array in common.items():
+            (at,) = {tile.held_at(name) for tile in tiles.values()}
+            after = [*before, *written.by(array)]
+            ready = self._job.move_in(sorted(tiles), array, at, after=after)
+            for tile in tiles.values():
+                tile.hold(name, array, [ready])
 
 
 class _Tile:
-    """Adds the steps of one tile: in, run, out of each launch, alternating between the places."""
+    """Adds the steps of one tile: in, run, out of each launch, alternating between the places.
 
-    def __init__(self, job: Job, tile: int, program: vividc.Program, places: Places) -> None:
+    Attributes
+    ----------
+    before
+        Steps that the scratchpad is in use until.
+    """
+
+    def __init__(
+        self,
+        job: Job,
+        tile: int,
+        program: vividc.Program | None,
+        places: Places,
+        before: Sequence[int],
+        written: _Written,
+    ) -> None:
         self._job, self._tile, self._program, self._places = job, tile, program, places
-        self._flat = {parameter.name for parameter in program.params if parameter.ndim == 1}
-        self._turns = Turns([tile], len(places.own))
-        self._held: tuple[int, ...] | None = None
-        self._carried: Mapping[str, Words] = {}
-        self._last: list[int] = []
-        self._copy = 0
-        self._users: list[list[int]] = [[] for _ in places.shared]
-        self._shared_at: dict[str, int] = {}
-        self._ready: list[int] = []
+        params = () if program is None else program.params
+        self._flat = {parameter.name for parameter in params if parameter.ndim == 1}
+        self._own_copies = len(places.own)
+        self._turns = Turns([tile], self._own_copies)
+        self.before = tuple(before)
+        for copy in range(self._own_copies):
+            self._turns.free(tile, copy, *self.before)
+        self._held: dict[str, _Held] = {}
+        self._freed: dict[tuple[str, int], tuple[int, ...]] = {}
+        self._written = written
+        self._last: tuple[int, ...] = self.before
+        self.leaving: list[tuple[Words, int]] = []
 
-    def add(self, share: Sequence[Launch]) -> list[int]:
-        """Add launches one after the other, and return their last runs.
+    def add(self, share: Sequence[Launch]) -> Iterator[int]:
+        """Add launches one after the other, and yield the last step of each that the next one on
+        this tile waits for.
 
         Of launches that fetch rows and share arrays, as many begin as there are places before the
         first of them goes on: so the rows of one come while another runs.
         """
-        runs: list[int] = []
-        at_once = len(self._places.own) if share[0].fetched else 1
+        at_once = self._own_copies if share[0].fetched else 1
         for _, alike in groupby(share, lambda launch: launch.group):
             launches = list(alike)
             for first in range(0, len(launches), at_once):
                 some = launches[first : first + at_once]
                 begun = [(launch, *self._begin(launch)) for launch in some]
-                runs += [self._finish(*one) for one in begun]
-        self._let_go()
-        return runs
+                for one in begun:
+                    yield self._finish(*one)
+        for name in list(self._held):
+            self._let_go(name)
+
+    def end(self) -> list[int]:
+        """Return the steps after which all of the scratchpad is free again."""
+        own = (self._turns.take()[2] for _ in range(self._own_copies))
+        ends = (*own, *self._freed.values(), self._last)
+        return sorted({step for steps in ends for step in steps})
+
+    def held_at(self, name: str) -> int:
+        """Return where the first copy of a held array lies."""
+        return self._places.held[name][0]
+
+    def hold(self, name: str, array: Moved, ready: Sequence[int]) -> None:
+        """Take the first copy of a held array, which steps move in, as given."""
+        self._held[name] = _Held(array, 0, tuple(ready))
 
     def _begin(self, launch: Launch) -> tuple[int, dict[str, int], list[int]]:
         """Add what comes before a launch's last run; return its place, where its arrays lie there,
         and what that run waits for.
         """
-        self._hold(launch)
+        at, ready = self._hold(launch)
         _, copy, freed = self._turns.take()
-        at = self._places.addresses(launch.sizes, self._places.own[copy])
-        after = [*self._moves_in(launch.inputs, at, freed), *self._ready, *freed]
-        if launch.carried:
-            after += self._last
-        at |= self._shared_at
-        at |= self._places.addresses(_bytes(launch.work), self._places.work)
+        at |= self._places.addresses(launch.sizes, self._places.own[copy])
+        at |= self._places.addresses(bytes_of(launch.work), self._places.work)
+        moved = (
+            step
+            for name, array in launch.inputs.items()
+            for step in self._moves_in(array, at[name], freed)
+        )
+        after = [*moved, *ready, *freed]
         if not launch.fetched:
             return copy, at, after
         listed = self._run(launch, at, after, phase=0)
@@ -341,93 +284,124 @@ class _Tile:
 
     def _finish(self, launch: Launch, copy: int, at: dict[str, int], after: Sequence[int]) -> int:
         """Add the last run, and what leaves after it."""
-        run = self._run(launch, at, after, **({"phase": 1} if launch.fetched else {}))
+        done, step = after, -1
+        if self._program is not None:
+            step = self._run(launch, at, after, **({"phase": 1} if launch.fetched else {}))
+            done = (step,)
         leaving = [
-            self._job.move_out(self._tile, at[name] + move.first_byte, move.array, after=[run])
+            self._move_out(at[name] + move.first_byte, move.array, done)
             for name, array in launch.outputs.items()
-            for move in _pieces(array)
+            for move in pieces(array)
             if isinstance(move.array, np.ndarray)
         ]
-        self._turns.free(self._tile, copy, *(leaving or [run]))
-        return run
+        self._turns.free(self._tile, copy, *(leaving or done))
+        return step
 
     def _run(
         self, launch: Launch, at: Mapping[str, int], after: Sequence[int], **more: object
     ) -> int:
+        assert self._program is not None
         arguments = {
             name: At(at[name], (math.prod(shape),) if name in self._flat else shape)
             for name, shape in launch.all_shapes.items()
         }
         scalars = {**launch.scalars, **more}
-        run = self._job.run(self._tile, self._program, after=after, **arguments, **scalars)
-        self._users[self._copy].append(run)
-        self._last = [run]
+        run = self._job.run(
+            self._tile,
+            self._program,
+            after=after,
+            own_at=self._places.end,
+            **arguments,
+            **scalars,
+        )
+        self._last = (run,)
         return run
 
-    def shared_addresses(self, launch: Launch) -> dict[str, int]:
-        """Return where the first shared arrays lie."""
-        return self._places.addresses(_sizes(launch.held), self._places.shared[0])
+    def _hold(self, launch: Launch) -> tuple[dict[str, int], list[int]]:
+        """Move in what a launch holds and the tile does not; return where it lies, and what the
+        launch waits for.
+        """
+        at: dict[str, int] = {}
+        ready: list[int] = []
+        starts: dict[str, Moved] = {**launch.starts, **launch.shared}
+        for name, array in launch.held.items():
+            places, held = self._places.held[name], self._held.get(name)
+            if held is None or held.array is not array:
+                copy = 0
+                if held is not None:
+                    copy = (held.copy + 1) % len(places)
+                    self._let_go(name)
+                free = self._freed.get((name, copy), self.before)
+                moved = self._moves_in(starts.get(name, ()), places[copy], free)
+                out = launch.carried.get(name)
+                held = self._held[name] = _Held(array, copy, tuple(moved or free), out)
+            at[name] = places[held.copy]
+            ready += held.ready
+            held.ready = ()  # runs of a tile follow each other
+        return at, ready
 
-    def hold(self, launch: Launch, at: Mapping[str, int], ready: Sequence[int]) -> None:
-        """Take the first shared arrays, which steps move in, as given."""
-        self._held, self._shared_at, self._ready = launch.group, dict(at), list(ready)
+    def _let_go(self, name: str) -> None:
+        """Move out what the last launches carried on, and do not hold it any more."""
+        held = self._held.pop(name)
+        free = self._last
+        if held.out is not None:
+            at = self._places.held[name][held.copy]
+            free = (self._move_out(at, held.out, self._last),)
+        self._freed[name, held.copy] = free
 
-    def _hold(self, launch: Launch) -> None:
-        """Move in the shared arrays of a launch, if the tile does not hold them."""
-        if launch.group == self._held:
-            return
-        self._let_go()
-        self._held, self._carried = launch.group, launch.carried
-        self._copy = (self._copy + 1) % len(self._places.shared)
-        start = self._places.shared[self._copy]
-        self._shared_at = self._places.addresses(_sizes(launch.held), start)
-        free = self._users[self._copy]
-        moved = self._moves_in(launch.shared, self._shared_at, free)
-        self._ready = [*moved, *free] if launch.carried else moved
-        self._users[self._copy] = []
-
-    def _let_go(self) -> None:
-        """Move out what the held launches carried on."""
-        self._users[self._copy] += [
-            self._job.move_out(self._tile, self._shared_at[name], array, after=self._last)
-            for name, array in self._carried.items()
-        ]
-        self._carried = {}
-
-    def _moves_in(
-        self, inputs: Mapping[str, Moved], at: Mapping[str, int], after: Sequence[int]
-    ) -> list[int]:
+    def _moves_in(self, moved: Moved, address: int, after: Sequence[int]) -> list[int]:
         job, tile = self._job, self._tile
-        steps = []
-        for name, moved in inputs.items():
-            for move in _pieces(moved):
-                array, address = move.array, at[name] + move.first_byte
-                if isinstance(array, Gathered):
-                    rows = (array.table, array.indices, address)
-                    steps.append(job.gather(tile, *rows, after=after))
-                else:
-                    steps.append(job.move_in(tile, array, address, after=after))
+        steps: list[int] = []
+        for move in pieces(moved):
+            array, at = move.array, address + move.first_byte
+            if isinstance(array, Gathered):
+                known = [*after, *self._written.by(array.table, array.indices)]
+                steps.append(job.gather(tile, array.table, array.indices, at, after=known))
+            else:
+                known = [*after, *self._written.by(array)]
+                steps.append(job.move_in(tile, array, at, after=known))
         return steps
 
-
-def _hold_together(job: Job, tiles: Mapping[int, _Tile], launches: Sequence[Launch]) -> None:
-    """Move in shared arrays once, to all tiles, if all launches have the same."""
-    first = launches[0]
-    if first.carried or not first.shared or len({launch.group for launch in launches}) > 1:
-        return
-    (at,) = {tuple(tile.shared_addresses(first).items()) for tile in tiles.values()}
-    ready = [job.move_in(sorted(tiles), first.shared[name], address) for name, address in at]
-    for tile in tiles.values():
-        tile.hold(first, dict(at), ready)
+    def _move_out(self, address: int, array: Words, after: Sequence[int]) -> int:
+        step = self._job.move_out(self._tile, address, array, after=after)
+        self.leaving.append((array, step))
+        return step
 
 
-def _pieces(array: Moved) -> Sequence[Move]:
-    return (Move(array),) if isinstance(array, np.ndarray | Gathered) else array
+@dataclass(slots=True, eq=False)
+class _Held:
+    """What a tile holds: its copy, the steps that the first run waits for, where it leaves to."""
+
+    array: Moved
+    copy: int
+    ready: tuple[int, ...]
+    out: Words | None = None
 
 
-def _sizes(arrays: Mapping[str, Words]) -> dict[str, int]:
-    return {name: array.nbytes for name, array in arrays.items()}
+class _Written:
+    """Which bytes of the host's arrays the moves of some steps write."""
+
+    def __init__(self, moves: Sequence[tuple[Words, int]] = ()) -> None:
+        bounds = [(*byte_bounds(array), step) for array, step in moves if array.size]
+        self._rows = np.array(bounds, dtype=np.int64).reshape(-1, 3)
+
+    def by(self, *arrays: Words) -> list[int]:
+        """Return the steps that write bytes between the first and the last of arrays."""
+        found: list[int] = []
+        for array in arrays if len(self._rows) else ():
+            low, high = byte_bounds(array)
+            overlaps = (self._rows[:, 0] < high) & (self._rows[:, 1] > low)
+            found += self._rows[overlaps, 2].tolist()
+        return found
 
 
-def _bytes(shapes: Mapping[str, tuple[int, ...]]) -> dict[str, int]:
-    return {name: WORD_BYTES * math.prod(shape) for name, shape in shapes.items()}
+def _common(launches: Sequence[Launch]) -> dict[str, Words]:
+    """Return the shared arrays that are the same in all launches."""
+    if not launches:
+        return {}
+    first, *others = launches
+    return {
+        name: array
+        for name, array in first.shared.items()
+        if isinstance(array, np.ndarray) and all(one.shared.get(name) is array for one in others)
+    }

@@ -11,7 +11,8 @@ from vividc import LoopOptions
 from vividc.launch.turns import neighbours
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
-from vividc.render.array.device.launches import Launch, run_shares
+from vividc.render.array.device.launch import Launch
+from vividc.render.array.device.launches import run_shares
 from vividc.render.arrays import Float32Array
 
 BLOCK: Final = 16

@@ -13,7 +13,8 @@ from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.gather import gather_rows
-from vividc.render.array.device.launches import Launch, run_launches
+from vividc.render.array.device.launch import Launch
+from vividc.render.array.device.launches import run_launches
 from vividc.render.array.models.field import Features, UInt32Array
 from vividc.render.array.network.networks import SAMPLES
 from vividc.render.array.pieces import RAYS, Piece, Rays, Survivors, total

@@ -14,7 +14,7 @@ import numpy as np
 from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
-from vividc.render.array.device.launches import Launch
+from vividc.render.array.device.launch import Launch
 from vividc.render.array.march.bricks import Bricks, pack_bricks
 from vividc.render.array.march.depths import Blocks
 from vividc.render.array.march.kept import (

@@ -14,7 +14,8 @@ from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.gather import gather_rows
-from vividc.render.array.device.launches import Gathered, Launch, Move, Words, run_launches
+from vividc.render.array.device.launch import Gathered, Launch, Move, Words
+from vividc.render.array.device.launches import run_launches
 from vividc.render.array.models.field import Kept, Listed
 from vividc.render.array.pieces import RAYS, Piece, total
 from vividc.render.arrays import Float32Array, Int32Array

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
-from vividc.render.array.device.launches import Fetched, Launch
+from vividc.render.array.device.launch import Fetched, Launch
 from vividc.render.array.device.lookups import BLOCK, Part, run_lookups
 from vividc.render.arrays import Float32Array
 from vividc.render.errors import SceneError

@@ -13,7 +13,7 @@ from vividc.render.array.device.block_map import BlockMap
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.gather import gather_rows
-from vividc.render.array.device.launches import Words
+from vividc.render.array.device.launch import Words
 from vividc.render.array.models.field import (
     Colours,
     Features,

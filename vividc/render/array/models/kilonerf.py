@@ -12,7 +12,8 @@ from vividc import LoopOptions
 from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
-from vividc.render.array.device.launches import Launch, run_launches
+from vividc.render.array.device.launch import Launch
+from vividc.render.array.device.launches import run_launches
 from vividc.render.array.models.field import Colours, Densities, Kept, Listed, ModelField
 from vividc.render.array.models.grouping import Grouping, Part, Samples, parts_of
 from vividc.render.arrays import Float32Array, Int32Array

@@ -8,7 +8,7 @@ import numpy as np
 
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
-from vividc.render.array.device.launches import Launch
+from vividc.render.array.device.launch import Launch
 from vividc.render.array.models.grouping import Part
 from vividc.render.array.models.kilonerf import KiloNeRFOnArray
 from vividc.render.array.models.kilonerf_words import CHUNK_WORDS, WIDTH, fp8_words

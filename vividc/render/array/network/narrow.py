@@ -13,7 +13,7 @@ from vividc.gemm import Layer, Precision
 from vividc.render.array.device.block_map import BlockMap
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
-from vividc.render.array.device.launches import Words
+from vividc.render.array.device.launch import Words
 from vividc.render.array.network.calibration import exponents
 from vividc.render.array.network.networks import SAMPLES, DenseLayer, run_network
 from vividc.render.array.network.systolic import run_systolic, tpu_choice

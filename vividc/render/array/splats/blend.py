@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal, TypeAlias
 
 import numpy as np
 
 import vividc
-from vividc.launch import At, Job
-from vividc.launch.turns import Turns, deal
-from vividc.machine.words import WORD_BYTES
+from vividc.launch.turns import deal
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
+from vividc.render.array.device.launch import Gathered, Launch
+from vividc.render.array.device.launches import run_shares
 from vividc.render.array.options import RenderPrecision
-from vividc.render.array.splats.project import ROW_WORDS, DeviceSplats
+from vividc.render.array.splats.project import DeviceSplats
 from vividc.render.array.splats.sort import ScreenLists
 from vividc.render.arrays import Float32Array, Int32Array, frozen_float32
 from vividc.render.camera import Camera
@@ -29,10 +29,6 @@ _SIDE = 4
 _BLOCK_PIXELS = _SIDE * _SIDE
 _LIST_PART = 160
 """Entries of a list that a run takes, as in the kernels' file."""
-_PART_BYTES = WORD_BYTES * ROW_WORDS * _LIST_PART
-_TILE_BYTES = WORD_BYTES * 4 * TILE_PX * TILE_PX
-_PIXELS_AT = 2 * _PART_BYTES
-_COUNTS_AT = _PIXELS_AT + 2 * _TILE_BYTES
 _COUNTS = 4
 _RUN_ENTRIES = 32
 """What a run costs beside its entries, as entries in a row of blocks: some 2,000 cycles."""
@@ -89,52 +85,27 @@ class Band:
         )
 
 
-@dataclass(slots=True, eq=False)
-class _Blend:
-    """The launch graph of blending."""
-
-    job: Job
-    program: vividc.Program
-    splats: DeviceSplats
-    lists: ScreenLists
-    image: Float32Array
-    counts: Int32Array
-
-    def tile(self, tile: int, share: Sequence[Band]) -> None:
-        """Add the steps of one tile: the next part of a list is fetched while one is blended."""
-        zeros = self.counts[tile]
-        counted = self.job.move_in(tile, zeros, _COUNTS_AT)
-        parts, pixels = Turns([tile]), Turns([tile])
-        for half in range(2):
-            parts.free(tile, half, counted)
-        run = counted
-        for band in share:
-            starts = range(band.first, band.last, _LIST_PART)
-            _, place, free = pixels.take()
-            pixels_at = _PIXELS_AT + place * _TILE_BYTES
-            clear = self.job.move_in(tile, _CLEAR, pixels_at, after=free)
-            for start in starts:
-                slots = self.lists.slots[start : min(start + _LIST_PART, band.last)]
-                _, half, freed = parts.take()
-                at = half * _PART_BYTES
-                rows = self.job.gather(tile, self.splats.rows, slots, at, after=freed)
-                run = self.job.run(
-                    tile,
-                    self.program,
-                    splats=At(at, (ROW_WORDS * len(slots),)),
-                    pixels=At(pixels_at, (_TILE_BYTES // WORD_BYTES,)),
-                    counts=At(_COUNTS_AT, (_COUNTS,)),
-                    n=len(slots),
-                    x0=np.float32(band.x),
-                    y0=np.float32(band.y),
-                    height=band.height,
-                    last=int(start == starts[-1]),
-                    after=[rows, clear, *freed],
-                )
-                parts.free(tile, half, run)
-            target = _blocks_of(self.image, band)
-            pixels.free(tile, place, self.job.move_out(tile, pixels_at, target, after=[run]))
-        self.job.move_out(tile, _COUNTS_AT, zeros, after=[run])
+def _launches(
+    band: Band, splats: DeviceSplats, lists: ScreenLists, image: Float32Array, counts: Int32Array
+) -> Iterator[Launch]:
+    """Yield the launches of a band, part by part of its list; `counts` are those of its tile."""
+    target = _blocks_of(image, band)
+    starts = range(band.first, band.last, _LIST_PART)
+    for start in starts:
+        slots = lists.slots[start : min(start + _LIST_PART, band.last)]
+        yield Launch(
+            shapes={"pixels": _CLEAR.shape},
+            inputs={"splats": Gathered(splats.rows, slots)},
+            carried={"pixels": target, "counts": counts},
+            starts={"pixels": _CLEAR, "counts": counts},
+            scalars={
+                "n": len(slots),
+                "x0": np.float32(band.x),
+                "y0": np.float32(band.y),
+                "height": band.height,
+                "last": int(start == starts[-1]),
+            },
+        )
 
 
 def blend_splats(
@@ -152,19 +123,18 @@ def blend_splats(
     Those without splats are not run. The picture is the same with every kind of culling. exp is
     computed in `precision`.
     """
-    program = blend_program(device, culling, precision)
     columns, rows = -(-camera.width // TILE_PX), -(-camera.height // TILE_PX)
     side = TILE_PX // _SIDE
     image = np.ones((rows * side, _SIDE, columns * side, _SIDE, 4), dtype=np.float32)
-    job = device.new_job()
-    tiles = device.tiles
-    counts = np.zeros((tiles, _COUNTS), dtype=np.int32)
-    graph = _Blend(job, program, splats, lists, image, counts)
-    screens = _screens(lists, camera, columns, chosen)
-    for tile, share in enumerate(balanced(screens, tiles)):
-        if share:
-            graph.tile(tile, share)
-    device.finish(ledger, _STAGE, job)
+    counts = np.zeros((device.tiles, _COUNTS), dtype=np.int32)
+    shares = [
+        [launch for band in share for launch in _launches(band, splats, lists, image, own)]
+        for own, share in zip(
+            counts, balanced(_screens(lists, camera, columns, chosen), device.tiles), strict=True
+        )
+    ]
+    kernel, options = _kernel(culling, precision)
+    run_shares(device, ledger, _STAGE, kernel, shares, **options)
     _count(ledger, counts, culling)
     whole = image.reshape(rows * TILE_PX, columns * TILE_PX, 4)
     return np.ascontiguousarray(whole[: camera.height, : camera.width, :3])
@@ -180,8 +150,14 @@ def blend_program(
     device: Device, culling: Culling, precision: RenderPrecision = "fp32"
 ) -> vividc.Program:
     """Return the program that blends with this culling, and with exp in this format."""
+    kernel, options = _kernel(culling, precision)
+    return device.programs.get(kernel, **options)
+
+
+def _kernel(culling: Culling, precision: RenderPrecision) -> tuple[str, dict[str, object]]:
+    """Return the kernel, and options of its compilation."""
     policy = {} if precision == "fp32" else {"precision": {"exp": precision}}
-    return device.programs.get(f"{_FILE}:{_KERNELS[culling]}", time_limit_s=_MAPPING_S, **policy)
+    return f"{_FILE}:{_KERNELS[culling]}", {"time_limit_s": _MAPPING_S, **policy}
 
 
 def _count(ledger: Ledger, counts: Int32Array, culling: Culling) -> None:

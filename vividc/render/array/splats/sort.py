@@ -10,15 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import accumulate, pairwise
 
 import numpy as np
 
-import vividc
-from vividc.launch import At, Job
-from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
+from vividc.render.array.device.launch import Launch, Move
+from vividc.render.array.device.launches import Phase, in_turn, run_phases, run_shares
 from vividc.render.array.splats.project import DeviceSplats
 from vividc.render.arrays import Int32Array
 from vividc.render.errors import SceneError
@@ -27,10 +26,8 @@ _FILE = "render/splat_sort"
 _DIGIT_BITS = 6
 _CHUNK = 1024
 """Entries that a tile works on at once."""
-_SPM_WORDS = 8192
-_COUNTS_AT = 3 * _CHUNK
-_OUT_AT = _COUNTS_AT + 256
-_OUT_WORDS = _SPM_WORDS - _OUT_AT
+_OUT_WORDS = 4800
+"""Of what a chunk becomes in a launch; beside it lie a chunk and its counts."""
 _PLACE_COUNTS = 4096
 """Counts that are turned into places at once: at least one of each chunk."""
 
@@ -63,6 +60,16 @@ class _Chunk:
     def __len__(self) -> int:
         return sum(len(piece) for piece in self.pieces)
 
+    @property
+    def words(self) -> int:
+        """Of all entries."""
+        return sum(piece.size for piece in self.pieces)
+
+    def moves(self) -> list[Move]:
+        """Return its entries, one piece behind the other."""
+        firsts = accumulate((piece.size for piece in self.pieces), initial=0)
+        return [Move(piece, first) for piece, first in zip(self.pieces, firsts, strict=False)]
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Counted:
@@ -77,7 +84,7 @@ class _Counted:
 class _Scatter:
     """How a pass scatters: its kernel, words of what it writes, whether it takes part of digits."""
 
-    program: vividc.Program
+    kernel: str
     words: int
     scalars: Scalars
     ranged: bool
@@ -110,9 +117,8 @@ def _by_depth(device: Device, ledger: Ledger, splats: DeviceSplats) -> Int32Arra
     for shift in range(0, max(bits, 1), _DIGIT_BITS):
         chunks = _chunks(pieces, len(splats), device.tiles)
         scalars = {"least": splats.nearest, "shift": shift}
-        count = device.programs.get(f"{_FILE}:depth_counts")
-        counted = _count(device, ledger, stage, chunks, 1 << _DIGIT_BITS, count, scalars)
-        scatter = _Scatter(device.programs.get(f"{_FILE}:depth_scatter"), 3, scalars, ranged=False)
+        counted = _count(device, ledger, stage, chunks, 1 << _DIGIT_BITS, "depth_counts", scalars)
+        scatter = _Scatter("depth_scatter", 3, scalars, ranged=False)
         out = np.zeros((len(splats), 3), dtype=np.int32)
         _scatter(device, ledger, stage, chunks, counted, scatter, out)
         pieces = [out]
@@ -124,11 +130,11 @@ def _bin(
 ) -> ScreenLists:
     """Return the lists of screen tiles of entries that are in the order of depth."""
     stage = "binning"
-    count = device.programs.get(f"{_FILE}:span_counts")
+    count = "span_counts"
     chunks = _chunks([ordered], len(ordered), device.tiles)
     counted = _count(device, ledger, stage, chunks, rows, count, {"words": 3, "shift": 0})
     by_row = np.zeros((int(counted.totals[0]), 2), dtype=np.int32)
-    scatter = _Scatter(device.programs.get(f"{_FILE}:row_scatter"), 2, {}, ranged=True)
+    scatter = _Scatter("row_scatter", 2, {}, ranged=True)
     _scatter(device, ledger, stage, chunks, counted, scatter, by_row)
 
     starts = [*counted.places[0].tolist(), len(by_row)]
@@ -143,7 +149,7 @@ def _bin(
     np.cumsum(counted.totals, out=base[1:])
     counted.places[:] += base[[chunk.group for chunk in chunks]][:, None]
     slots = np.zeros(int(base[-1]), dtype=np.int32)
-    scatter = _Scatter(device.programs.get(f"{_FILE}:column_scatter"), 1, {}, ranged=True)
+    scatter = _Scatter("column_scatter", 1, {}, ranged=True)
     _scatter(device, ledger, stage, chunks, counted, scatter, slots)
     return ScreenLists(slots, _starts(chunks, counted.places, base, columns))
 
@@ -188,7 +194,7 @@ def _count(
     stage: str,
     chunks: Sequence[_Chunk],
     digits: int,
-    program: vividc.Program,
+    kernel: str,
     scalars: Scalars,
     groups: int = 1,
 ) -> _Counted:
@@ -198,68 +204,44 @@ def _count(
         places=np.zeros((len(chunks), digits), dtype=np.int32),
         totals=np.zeros(groups, dtype=np.int32),
     )
-    job = device.new_job()
-    tiles = device.tiles
-    last: dict[int, list[int]] = {}
-    for number, chunk in enumerate(chunks):
-        tile = number % tiles
-        entries, moves = _move_in(job, tile, chunk, last.get(tile, []))
-        run = job.run(
-            tile,
-            program,
-            entries=At(0, (entries,)),
-            n=len(chunk),
-            counts=At(WORD_BYTES * _COUNTS_AT, (digits,)),
-            after=[*moves, *last.get(tile, [])],
-            **scalars,
+    launches = [
+        Launch(
+            shapes={"entries": (chunk.words,)},
+            inputs={"entries": chunk.moves()},
+            outputs={"counts": counts},
+            scalars={"n": len(chunk), **scalars},
         )
-        counts = counted.counts[number]
-        last[tile] = [job.move_out(tile, WORD_BYTES * _COUNTS_AT, counts, after=[run])]
-    done = [step for steps in last.values() for step in steps]
+        for chunk, counts in zip(chunks, counted.counts, strict=True)
+    ]
+    placed: list[list[Launch]] = [[] for _ in range(device.tiles)]
     for group in range(groups):
         members = [i for i, chunk in enumerate(chunks) if chunk.group == group]
         if members:
             span = slice(members[0], members[-1] + 1)
-            tile = group % tiles
-            last[tile] = _place(
-                device, job, tile, counted, group, span, [*done, *last.get(tile, [])]
-            )
-    device.finish(ledger, stage, job)
+            placed[group % device.tiles] += _place(counted, group, span)
+    phases = [
+        Phase(f"{_FILE}:{kernel}", in_turn(launches, device.tiles)),
+        Phase(f"{_FILE}:chunk_places", placed),
+    ]
+    run_phases(device, ledger, stage, phases)
     return counted
 
 
-def _place(
-    device: Device,
-    job: Job,
-    tile: int,
-    counted: _Counted,
-    group: int,
-    span: slice,
-    after: Sequence[int],
-) -> list[int]:
-    """Add the steps that turn counts of consecutive chunks into places."""
-    program = device.programs.get(f"{_FILE}:chunk_places")
-    counts = counted.counts[span]
+def _place(counted: _Counted, group: int, span: slice) -> Iterator[Launch]:
+    """Yield what turns the counts of consecutive chunks into places, some digits at a time."""
+    counts, places = counted.counts[span], counted.places[span]
     chunks, digits = counts.shape
     width = max(1, min(digits, _PLACE_COUNTS // chunks))
-    total_at = WORD_BYTES * _PLACE_COUNTS
-    steps = [job.move_in(tile, counted.totals[group : group + 1], total_at, after=after)]
+    total = counted.totals[group : group + 1]
     for first in range(0, digits, width):
-        some = slice(first, min(first + width, digits))
-        part = counts[:, some]
-        moved = job.move_in(tile, part, 0, after=[*after, *steps])
-        run = job.run(
-            tile,
-            program,
-            counts=At(0, (part.size,)),
-            chunks=chunks,
-            digits=part.shape[1],
-            total=At(total_at, (1,)),
-            after=[moved, *steps],
+        part = counts[:, first : first + width]
+        yield Launch(
+            inputs={"counts": part},
+            outputs={"counts": places[:, first : first + width]},
+            carried={"total": total},
+            starts={"total": total},
+            scalars={"chunks": chunks, "digits": part.shape[1]},
         )
-        steps = [job.move_out(tile, 0, counted.places[span][:, some], after=[run])]
-    steps.append(job.move_out(tile, total_at, counted.totals[group : group + 1], after=steps))
-    return steps
 
 
 def _scatter(
@@ -272,42 +254,27 @@ def _scatter(
     out: Int32Array,
 ) -> None:
     """Scatter chunks to the places of their digits in `out`."""
-    job = device.new_job()
-    tiles = device.tiles
-    last: dict[int, list[int]] = {}
+    shares: list[list[Launch]] = [[] for _ in range(device.tiles)]
     for number, chunk in enumerate(chunks):
-        tile = number % tiles
-        entries, here = _move_in(job, tile, chunk, last.get(tile, []))
-        for low, high in _ranges(counted.counts[number], how):
-            before = [*last.get(tile, []), *here]
-            digits = counted.counts[number]
-            moved = job.move_in(tile, digits, WORD_BYTES * _COUNTS_AT, after=before)
-            bounds = {"low": low, "high": high} if how.ranged else {}
-            total = int(digits[low:high].sum())
-            run = job.run(
-                tile,
-                how.program,
-                entries=At(0, (entries,)),
-                n=len(chunk),
-                counts=At(WORD_BYTES * _COUNTS_AT, (len(digits),)),
-                out=At(WORD_BYTES * _OUT_AT, (how.words * total,)),
-                after=[moved, *before],
-                **how.scalars,
-                **bounds,
+        counts, entries = counted.counts[number], chunk.moves()
+        for low, high in _ranges(counts, how):
+            some = slice(low, high)
+            launch = Launch(
+                shapes={
+                    "entries": (chunk.words,),
+                    "out": (how.words * int(counts[some].sum()),),
+                },
+                inputs={"counts": counts},
+                outputs={"out": [*_runs(counts[some], counted.places[number][some], how, out)]},
+                shared={"entries": entries},
+                scalars={
+                    "n": len(chunk),
+                    **how.scalars,
+                    **({"low": low, "high": high} if how.ranged else {}),
+                },
             )
-            places = counted.places[number]
-            last[tile] = _move_out(job, tile, run, digits, places, (low, high), how.words, out)
-            here = []
-    device.finish(ledger, stage, job)
-
-
-def _move_in(job: Job, tile: int, chunk: _Chunk, after: Sequence[int]) -> tuple[int, list[int]]:
-    """Bring the pieces of a chunk; return their words and the steps."""
-    steps, at = [], 0
-    for piece in chunk.pieces:
-        steps.append(job.move_in(tile, piece, WORD_BYTES * at, after=after))
-        at += piece.size
-    return at, steps
+            shares[number % device.tiles].append(launch)
+    run_shares(device, ledger, stage, f"{_FILE}:{how.kernel}", shares)
 
 
 def _ranges(counts: Int32Array, how: _Scatter) -> Iterator[tuple[int, int]]:
@@ -326,29 +293,13 @@ def _ranges(counts: Int32Array, how: _Scatter) -> Iterator[tuple[int, int]]:
         yield low, len(counts)
 
 
-def _move_out(
-    job: Job,
-    tile: int,
-    run: int,
-    counts: Int32Array,
-    places: Int32Array,
-    digits: tuple[int, int],
-    words: int,
-    out: Int32Array,
-) -> list[int]:
-    """Move runs of equal digits to their places; what is in one piece there goes as one."""
-    steps = []
-    at, start, length = _OUT_AT, 0, 0
-    for digit in range(*digits):
-        count, place = int(counts[digit]), int(places[digit])
-        if count == 0:
-            continue
-        if place != start + length and length:
-            target = out[start : start + length]
-            steps.append(job.move_out(tile, WORD_BYTES * at, target, after=[run]))
-            at, length = at + words * length, 0
-        start = start if length else place
-        length += count
-    target = out[start : start + length]
-    steps.append(job.move_out(tile, WORD_BYTES * at, target, after=[run]))
-    return steps
+def _runs(counts: Int32Array, places: Int32Array, how: _Scatter, out: Int32Array) -> Iterator[Move]:
+    """Yield where the runs of equal digits go; what is in one piece there goes as one."""
+    used = np.flatnonzero(counts)
+    counts, places = counts[used], places[used]
+    ends = np.cumsum(counts)
+    begins = np.flatnonzero(np.append(True, places[1:] != places[:-1] + counts[:-1]))
+    for first, last in pairwise((*begins.tolist(), len(used))):
+        start, at = int(places[first]), int(ends[first] - counts[first])
+        length = int(ends[last - 1]) - at
+        yield Move(out[start : start + length], how.words * at)
