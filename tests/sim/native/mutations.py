@@ -25,13 +25,38 @@ def mutated(program: Program, random: Random) -> Program:
     return replace(program, words=words, table=tuple(table))
 
 
+def field_of(program: Program, context: int, pe: int, name: str) -> int:
+    """One field of one entry."""
+    return _held(program.words[context, pe], _named(program, name))
+
+
+def with_field(program: Program, context: int, pe: int, name: str, value: int) -> Program:
+    """The program with one field of one entry changed."""
+    field = _named(program, name)
+    words = program.words.copy()
+    words[context, pe] = _with(words[context, pe], field, value)
+    return replace(program, words=words)
+
+
+def _named(program: Program, name: str) -> Field:
+    return next(field for field in word_layout(program.fabric).fields if field.name == name)
+
+
 def _changed(words: np.ndarray, field: Field, random: Random) -> list[int]:
-    bits = sum(int(word) << WORD_BITS * k for k, word in enumerate(words))
-    old = bits >> field.offset & field.limit - 1
     new = random.randrange(field.limit)
     if random.random() < 0.3:
-        new = old ^ 1 << random.randrange(field.width)
-    bits += (new - old) << field.offset
+        new = _held(words, field) ^ 1 << random.randrange(field.width)
+    return _with(words, field, new)
+
+
+def _held(words: np.ndarray, field: Field) -> int:
+    bits = sum(int(word) << WORD_BITS * k for k, word in enumerate(words))
+    return bits >> field.offset & field.limit - 1
+
+
+def _with(words: np.ndarray, field: Field, new: int) -> list[int]:
+    bits = sum(int(word) << WORD_BITS * k for k, word in enumerate(words))
+    bits += (new - _held(words, field)) << field.offset
     return [bits >> WORD_BITS * k & 0xFFFFFFFF for k in range(len(words))]
 
 

@@ -179,6 +179,7 @@ class _Tracer:
         moves = tuple(self._moves())
         flow = RegionFlow(row, ops, captures, moves, exit_index, exit_delay)
         _demand(all(time < row.span for time in flow.times))
+        _demand(not any(i.op is Opcode.STORE and i.use is not Use.NONE for _, _, i in self._issues))
         if row.kind == "straight":
             _demand(row.ii == row.span and not row.has_exit)
         else:
