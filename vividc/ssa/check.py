@@ -187,6 +187,8 @@ def _phis(fn: Function) -> Iterator[str]:
         for phi in block.phis:
             if sorted(name for name, _ in phi.incoming) != predecessors:
                 yield f"phi {phi.id} in {block.name} does not list the predecessors {predecessors}"
+            if phi.type is Type.NONE:
+                yield f"phi {phi.id} in {block.name} is of what has no value"
 
 
 def _dominance(fn: Function) -> Iterator[str]:

@@ -31,6 +31,7 @@ from vividc.machine.opcodes import Opcode
 from vividc.ssa.check import check_function
 from vividc.ssa.interpret import interpret
 from vividc.ssa.rewrite.normalize import normalize
+from vividc.ssa.text import parse
 
 
 @settings(max_examples=150)
@@ -146,3 +147,37 @@ def test_what_only_the_next_iteration_reads_is_kept() -> None:
     run_regions(build_kernel(normalize(handed_on.lower())), [x, mine])
     handed_on(x, numbas)
     np.testing.assert_array_equal(mine, numbas)
+
+
+STORES_FIRST = """\
+function "f"
+param "a" int32[1]
+param "n" int32
+entry:
+  jump outer
+outer:
+  %1 i32 = phi [entry: 0x00000000, latch: %9]
+  %2 none = store $"&a", %1, $"n" array "a" shift 2
+  %3 pred = icmp.slt %1, $"n"
+  branch %3 inner else out
+inner:
+  %4 i32 = phi [outer: 0x00000000, inner: %7]
+  %5 i32 = load $"&a", %4 array "a" shift 2
+  %6 i32 = add %5, %1
+  %11 none = store $"&a", %4, %6 array "a" shift 2
+  %7 i32 = add %4, 0x00000001
+  %8 pred = icmp.slt %7, $"n"
+  branch %8 inner else latch
+latch:
+  %9 i32 = add %1, 0x00000001
+  jump outer
+out:
+  return
+"""
+
+
+def test_a_store_of_a_header_has_no_value_behind_it() -> None:
+    """It goes to the ends of the blocks before, and leaves no phi."""
+    joined = join_entries(run_passes(SHAPING, parse(STORES_FIRST)), {})
+    assert check_function(joined.function) == []
+    assert [phi.id for block in joined.function.blocks for phi in block.phis] == [4, 1]

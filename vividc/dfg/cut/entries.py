@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from vividc.machine.opcodes import ELEMENTARY, MEMORY
+from vividc.machine.opcodes import ELEMENTARY, MEMORY, Type
 from vividc.ssa.edit import (
     FreshIds,
     defined_types,
@@ -179,7 +179,7 @@ def _inverted(function: Function, ends: _Ends) -> Function:
         elif block.name == ends.first:
             again = tuple(instr for instr in header.instrs if instr.op not in MEMORY)
             made = {instr.id for instr in again}
-            own = {i: i for i in types if i not in made}
+            own = {i: i for i, kind in types.items() if i not in made and kind is not Type.NONE}
             changed = replace(changed, phis=_phis(types, own, copies))
             changed = replace(changed, instrs=(*again, *block.instrs))
         elif block.name == ends.after:

@@ -98,7 +98,7 @@ class Relations:
     @cached_property
     def written(self) -> isl.UnionMap:
         """The schedule of the source: coordinates, and positions among what is beside."""
-        length = 2 * max(len(s.dims) for s in self.scop.statements) + 1
+        length = 2 * max((len(s.dims) for s in self.scop.statements), default=0) + 1
         result = isl.UnionMap(f"{self.parameters} -> {{ }}")
         for statement, place in _places(self.scop):
             times: list[Form] = []

@@ -169,6 +169,8 @@ class Tiles:
 
     def split(self, place: Site, tree: Loop) -> tuple[Site, Site]:
         """What fills whole groups of iterations, equally in all jammed iterations, and the rest."""
+        if not place.domains:
+            return place, place  # loops without statements
         limits = self._limits(place, tree)
         whole, rest = {}, {}
         loops = (*place.around, tree)
