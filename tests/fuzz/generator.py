@@ -156,7 +156,8 @@ def _module(program: Program, params: list[Array], constants: list[Constant], bo
     types = [f"{a.dtype}[{':, ' * (len(a.dims) - 1)}::1]" for a in used]
     types += [SCALARS[name] for name in scalars]
     parameters = ", ".join([a.name for a in used] + scalars)
-    signature = f"{program.returns}({', '.join(types)}{',' if not program.returns else ''})"
+    result = program.returns or ("" if types else "void")  # "(,)" would be no signature
+    signature = f"{result}({', '.join(types)}{',' if not result else ''})"
     tables = TABLES | {constant.array.name: constant.text for constant in constants}
     head = "".join(f"{k} = {v}\n" for k, v in tables.items() if _uses(body, k))
     called = [name for name in HELPERS if _uses(body, name)]
