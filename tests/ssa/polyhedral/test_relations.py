@@ -7,8 +7,12 @@ import islpy as isl
 import vividc
 from tests.ssa.polyhedral.test_generate import parts_of
 from vividc.ssa.ir import is_dimension
-from vividc.ssa.polyhedral.relations import Relations
+from vividc.ssa.polyhedral.loops import loops_of
+from vividc.ssa.polyhedral.orders.search import is_legal
+from vividc.ssa.polyhedral.relations import Relations, bounded
 from vividc.ssa.polyhedral.scop import Scop
+from vividc.ssa.polyhedral.trees import tree_of
+from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 
 SIGNATURE = "void(int32[:, ::1], int32)"
@@ -78,3 +82,20 @@ def test_a_schedule_that_turns_a_loop_round_is_not_respected() -> None:
     met = relations.accesses_out_of_order(turned.intersect_domain(every))
     assert met is not None
     assert {access.array for access in met} == {"a"}
+
+
+def test_what_would_take_isl_too_long_is_not_known() -> None:
+    """Trees are not legal and have no loops then; after two of them isl is asked no more."""
+    scop, relations = part()
+    tree = tree_of(scop)
+    with bounded(10):
+        assert not is_legal(tree, relations)
+        assert isinstance(loops_of(tree, relations), Refusal)
+        assert isl.DEFAULT_CONTEXT.get_max_operations() == 10
+    assert isl.DEFAULT_CONTEXT.get_max_operations() == 0
+    assert relations.is_endless
+    assert isinstance(loops_of(tree, relations), Refusal)
+    fresh = Relations(scop)
+    assert is_legal(tree, fresh)
+    assert not isinstance(loops_of(tree, fresh), Refusal)
+    assert not fresh.endless

@@ -11,7 +11,8 @@ from typing import Final
 import islpy as isl
 
 from vividc.ssa.polyhedral.forms import ZERO, Form, symbol
-from vividc.ssa.polyhedral.relations import Relations
+from vividc.ssa.polyhedral.orders.search import describe
+from vividc.ssa.polyhedral.relations import Relations, bounded
 from vividc.ssa.polyhedral.schedule import grouped_schedule_of
 from vividc.ssa.polyhedral.trees import Loop
 from vividc.ssa.polyhedral.values import integer
@@ -90,12 +91,25 @@ class _Odd(Exception):
 
 def loops_of(tree: Loop, relations: Relations) -> Loops | Refusal:
     """The loops of a tree."""
+    name = f"loops of {describe(tree)}"
+    if not relations.is_endless:
+        relations.endless.add(name)
+        with bounded():
+            made = _loops_of(tree, relations)
+            relations.endless.discard(name)
+            return made
+    return Refusal("isl takes too long for loops of it")
+
+
+def _loops_of(tree: Loop, relations: Relations) -> Loops | Refusal:
     build = isl.AstBuild.from_context(relations.context)
     schedule, grouped = grouped_schedule_of(tree, relations)
     reader = _Reader(grouped.marks)
     try:
         node = build.node_from_schedule(schedule)
-    except isl.Error:  # "cannot handle void expression", of some triangles (lu)
+    except isl.Error as error:
+        if "void expression" not in str(error):  # of some triangles (lu)
+            raise
         return Refusal("isl finds no loops for it")
     try:
         code = tuple(reader.code(node, {}))

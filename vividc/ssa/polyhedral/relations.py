@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from operator import eq
+from typing import Final
 
 import islpy as isl
 
@@ -21,8 +23,31 @@ LARGE = 1 << 28
 skewed loops are sums of up to four of them, which must not wrap.
 """
 
+OPERATIONS: Final = 3_000_000
+"""Of isl's for one question about a tree of loops. It takes hours for a few, and no notice of the
+clock.
+"""
+
+_STRIKES: Final = 2
+"""So often may it give up; then no more is asked about other trees of the part."""
+
 _LONGEST = 1 << 20
 """No dimension of an array is longer."""
+
+
+@contextmanager
+def bounded(operations: int = OPERATIONS) -> Iterator[None]:
+    """isl gives up where it would take long; nothing is known then."""
+    context = isl.DEFAULT_CONTEXT
+    before = context.get_max_operations()
+    context.reset_operations()
+    context.set_max_operations(min(operations, before or operations))
+    try:
+        yield
+    except isl.Error:  # it says at random what it was doing then
+        pass
+    finally:
+        context.set_max_operations(before)
 
 
 @dataclass(frozen=True)
@@ -40,11 +65,18 @@ class Rows:
 class Relations:
     """Sets and relations of one part; statements are named tuples of their coordinates.
 
-    `legal`: of orders of loops that were asked for, by name, whether they keep the dependences.
+    `legal`: of orders of loops that were asked for, by name, whether they keep the dependences;
+    `endless`: those for which isl has given up.
     """
 
     scop: Scop
     legal: dict[str, bool] = field(default_factory=dict, compare=False)
+    endless: set[str] = field(default_factory=set, compare=False)
+
+    @property
+    def is_endless(self) -> bool:
+        """Whether isl has given up too often."""
+        return len(self.endless) >= _STRIKES
 
     @cached_property
     def parameters(self) -> str:

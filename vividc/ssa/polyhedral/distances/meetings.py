@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Final
@@ -34,6 +33,7 @@ from vividc.ssa.polyhedral.distances.linear import (
     solved,
 )
 from vividc.ssa.polyhedral.distances.maps import Maps, in_bytes, is_certain
+from vividc.ssa.polyhedral.relations import bounded
 from vividc.ssa.polyhedral.subscripts import Subscripts, subscripts_of
 from vividc.ssa.polyhedral.values import Expressions, integer
 
@@ -177,7 +177,7 @@ class Meetings:
             if only is not None and set(only) <= {0} and not (now and only):
                 self._found[first, second] = Distances()
                 return self._found[first, second]
-            with _bounded(self.most_operations):
+            with bounded(self.most_operations):
                 self._found[first, second] = self._ends(first, second, int(not now), only)
         return self._found[first, second]
 
@@ -219,7 +219,7 @@ class Meetings:
         test = self._strides_apart(store, load)
         if test is not None:
             return (test,)
-        with _bounded(4 * self.most_operations):
+        with bounded(4 * self.most_operations):
             mine, theirs = self._maps.of(store), self._maps.of(load)
             if mine is None or theirs is None or _subscripts(mine) != _subscripts(theirs):
                 return ()
@@ -360,17 +360,3 @@ def _least(distances: isl.Set) -> int | None:
             return integer(least)
         distances = distances.lower_bound_val(isl.dim_type.set, 0, least.add(isl.Val(1)))
     return None
-
-
-@contextmanager
-def _bounded(operations: int) -> Iterator[None]:
-    """isl gives up where it would take long; nothing is known then."""
-    context = isl.DEFAULT_CONTEXT
-    context.reset_operations()
-    context.set_max_operations(operations)
-    try:
-        yield
-    except isl.Error:  # it says at random what it was doing then
-        pass
-    finally:
-        context.set_max_operations(0)

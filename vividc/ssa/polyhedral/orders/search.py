@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from vividc.host import time_limit
 from vividc.ssa.polyhedral.forms import ZERO, symbol
-from vividc.ssa.polyhedral.relations import Relations
+from vividc.ssa.polyhedral.relations import Relations, bounded
 from vividc.ssa.polyhedral.rows import rows_of, with_own_rows
 from vividc.ssa.polyhedral.schedule import schedule_of
 from vividc.ssa.polyhedral.scop import Scop
@@ -72,12 +72,15 @@ def _has_rows(tree: Loop, relations: Relations) -> bool:
 
 
 def is_legal(tree: Loop, relations: Relations) -> bool:
-    """Whether a tree keeps the order of all dependences."""
+    """Whether a tree is known to keep the order of all dependences."""
     rows = rows_of(tree)
     known, name = relations.legal, f"{describe(tree)} {rows}"
-    if name not in known:
-        known[name] = relations.respects(schedule_of(tree, relations).get_map(), rows)
-    return known[name]
+    if name not in known and not relations.is_endless:
+        relations.endless.add(name)
+        with bounded():
+            known[name] = relations.respects(schedule_of(tree, relations).get_map(), rows)
+            relations.endless.discard(name)
+    return known.get(name, False)
 
 
 def moves(tree: Loop, scop: Scop) -> Iterator[Loop]:
