@@ -32,7 +32,7 @@ def test_random_nests_in_other_orders() -> None:
     ],
 )
 def test_what_was_found(seed: int) -> None:
-    search = Search(sizes=3)
+    search = Search(sizes=3, in_place=False)
     search.run(seed)
     assert not search.finds
     assert search.counts["trees"] > 1

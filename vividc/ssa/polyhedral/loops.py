@@ -93,8 +93,8 @@ def loops_of(tree: Loop, relations: Relations) -> Loops | Refusal:
     """The loops of a tree."""
     name = f"loops of {describe(tree)}"
     if not relations.is_endless:
-        relations.endless.add(name)
-        with bounded():
+        with bounded() as in_full:
+            relations.endless.update({name} if in_full else ())
             made = _loops_of(tree, relations)
             relations.endless.discard(name)
             return made

@@ -23,7 +23,7 @@ LARGE = 1 << 28
 skewed loops are sums of up to four of them, which must not wrap.
 """
 
-OPERATIONS: Final = 3_000_000
+OPERATIONS: Final = 20_000_000
 """Of isl's for one question about a tree of loops. It takes hours for a few, and no notice of the
 clock.
 """
@@ -36,14 +36,16 @@ _LONGEST = 1 << 20
 
 
 @contextmanager
-def bounded(operations: int = OPERATIONS) -> Iterator[None]:
-    """isl gives up where it would take long; nothing is known then."""
+def bounded(operations: int = OPERATIONS) -> Iterator[bool]:
+    """isl gives up where it would take long; nothing is known then. The value: whether it has all
+    these operations, as none were set before.
+    """
     context = isl.DEFAULT_CONTEXT
     before = context.get_max_operations()
     context.reset_operations()
     context.set_max_operations(min(operations, before or operations))
     try:
-        yield
+        yield not before
     except isl.Error:  # it says at random what it was doing then
         pass
     finally:

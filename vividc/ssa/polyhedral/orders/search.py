@@ -76,8 +76,8 @@ def is_legal(tree: Loop, relations: Relations) -> bool:
     rows = rows_of(tree)
     known, name = relations.legal, f"{describe(tree)} {rows}"
     if name not in known and not relations.is_endless:
-        relations.endless.add(name)
-        with bounded():
+        with bounded() as in_full:
+            relations.endless.update({name} if in_full else ())
             known[name] = relations.respects(schedule_of(tree, relations).get_map(), rows)
             relations.endless.discard(name)
     return known.get(name, False)
