@@ -13,8 +13,9 @@ from vividc import arch
 from vividc.arch.fabric import Fabric
 from vividc.compiler import map_regions
 from vividc.compiler.driver import lower
-from vividc.compiler.earlier import Earlier, numbered, posed
+from vividc.compiler.earlier import Earlier, posed
 from vividc.compiler.map_regions import MapOptions, map_kernel, mapping_of
+from vividc.dfg.alike import names, numbered
 from vividc.dfg.ir import DFG
 from vividc.dfg.regions import Kernel
 from vividc.machine.opcodes import Opcode
@@ -53,10 +54,12 @@ def loop_of(kernel: Kernel) -> DFG:
 def test_graphs_that_differ_in_names_only_are_equal() -> None:
     loop = loop_of(lower(scaled))
     assert renamed(loop) != loop
-    assert numbered(renamed(loop)) == numbered(loop)
+    again = renamed(loop)
+    assert numbered(again, names(again)) == numbered(loop, names(loop))
     one, *others = (node for node in loop.nodes if node.op is Opcode.LIVE_IN)
     merged = tuple(replace(n, name=one.name) if n in others else n for n in loop.nodes)
-    assert numbered(replace(loop, nodes=merged)) != numbered(loop)
+    other = replace(loop, nodes=merged)
+    assert numbered(other, names(other)) != numbered(loop, names(loop))
 
 
 def test_words_of_others_count_by_number_and_by_whether_the_graph_has_them() -> None:

@@ -5,17 +5,15 @@ numbers its variables anew, and other regions leave other words in constant stor
 from __future__ import annotations
 
 from collections.abc import Hashable
-from collections.abc import Mapping as ReadOnly
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
+from vividc.dfg.alike import names, numbered, numbers
 from vividc.dfg.ir import DFG
 from vividc.errors import MappingFailed
 from vividc.machine.opcodes import Opcode
 from vividc.mapper import MapProblem, MapResult
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.resources.banks import Meets
-
-_VARIABLES = (Opcode.LIVE_IN, Opcode.LIVE_OUT)
 
 
 @dataclass(frozen=True)
@@ -43,42 +41,22 @@ class Earlier:
     hopeless: dict[DFG, MappingFailed] = field(default_factory=dict)
 
 
-def unnamed(dfg: DFG) -> DFG:
-    """The graph without its name."""
-    return replace(dfg, name="")
-
-
-def numbered(dfg: DFG) -> DFG:
-    """The graph without names, its variables numbered in the order in which they come."""
-    numbers = _numbers(dfg)
-    nodes = (
-        replace(node, name=numbers[node.name]) if node.op in _VARIABLES else node
-        for node in dfg.nodes
-    )
-    return replace(dfg, name="", nodes=tuple(nodes))
-
-
 def posed(problem: MapProblem) -> Hashable:
     """The problem as far as a mapper looks at it: of words that others hold in a constant store it
     matters how many there are, and which of them the graph has, too.
     """
     dfg = problem.dfg
-    numbers = _numbers(dfg)
+    every = names(dfg)
     words = {("const", node.const): node.const for node in dfg.nodes if node.op is Opcode.CONST}
-    known = words | {("live_in", name): number for name, number in numbers.items()}
+    known = words | {("live_in", name): number for name, number in numbers(every).items()}
     held = (
         (pe, len(keys), frozenset(known[key] for key in keys if key in known))
         for pe, keys in sorted(problem.resident.items())
     )
-    return numbered(dfg), tuple(held), tuple(sorted(problem.allowed.items()))
+    return numbered(dfg, every), tuple(held), tuple(sorted(problem.allowed.items()))
 
 
 def straight_key(meets: Meets, frugal: bool) -> Hashable:
     """How a straight region is scheduled."""
     often = sorted((access, tuple(sorted(others.items()))) for access, others in meets.items())
     return tuple(often), frugal
-
-
-def _numbers(dfg: DFG) -> ReadOnly[str, str]:
-    names = dict.fromkeys(node.name for node in dfg.nodes if node.op in _VARIABLES)
-    return {name: f"%{number}" for number, name in enumerate(names)}

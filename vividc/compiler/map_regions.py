@@ -13,9 +13,10 @@ from functools import partial
 
 from vividc.arch.fabric import Fabric
 from vividc.compiler.delivery import deliver, with_homes
-from vividc.compiler.earlier import Earlier, posed, straight_key, unnamed
+from vividc.compiler.earlier import Earlier, posed, straight_key
 from vividc.compiler.homes import residents, variable_homes
 from vividc.compiler.map_again import Runs, layout_for, with_fewer_cycles
+from vividc.dfg.alike import unnamed
 from vividc.dfg.ir import DFG
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, MappingFailed, TimeLimit

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from vividc.dfg.ir import DFG, AddressForm, Node
@@ -39,25 +40,36 @@ class Optimized:
         return Optimized(other, DFG("", tuple(nodes), self.done.edges), False)
 
 
+def unnamed(dfg: DFG) -> DFG:
+    """The graph without its name."""
+    return replace(dfg, name="") if dfg.name else dfg  # whose hash is known
+
+
 def with_addresses(dfg: DFG) -> Graph:
     """The graph without a name, and where its accesses go."""
-    nameless = replace(dfg, name="") if dfg.name else dfg  # whose hash is known
-    return nameless, tuple(n.address for n in dfg.nodes if n.is_memory)
+    return unnamed(dfg), tuple(n.address for n in dfg.nodes if n.is_memory)
+
+
+def names(dfg: DFG) -> tuple[str, ...]:
+    """All names of its variables, in the order of their nodes."""
+    return tuple(dict.fromkeys(node.name for node in dfg.nodes if node.op in _NAMING))
 
 
 def variables(dfg: DFG) -> tuple[str, ...]:
     """The variables that stand for values of a function, in the order of their nodes."""
-    named = (node.name for node in dfg.nodes if node.op in _NAMING)
-    return tuple(dict.fromkeys(name for name in named if name.startswith("%")))
+    return tuple(name for name in names(dfg) if name.startswith("%"))
 
 
-def numbered(dfg: DFG) -> DFG:
-    """The graph without a name, its variables called by their order."""
-    numbers = {name: f"%{number}" for number, name in enumerate(variables(dfg))}
+def numbers(named: Iterable[str]) -> dict[str, str]:
+    """Other names by these, which tell their order."""
+    return {name: f"%{number}" for number, name in enumerate(named)}
+
+
+def numbered(dfg: DFG, named: Iterable[str] | None = None) -> DFG:
+    """The graph without a name, these variables called by their order; None: those of values."""
+    other = numbers(variables(dfg) if named is None else named)
     nodes = (
-        replace(node, name=numbers[node.name])
-        if node.op in _NAMING and node.name in numbers
-        else node
+        replace(node, name=other[node.name]) if node.op in _NAMING and node.name in other else node
         for node in dfg.nodes
     )
     return DFG("", tuple(nodes), dfg.edges)

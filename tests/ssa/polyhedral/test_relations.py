@@ -9,9 +9,10 @@ from tests.ssa.polyhedral.test_generate import parts_of
 from vividc.ssa.ir import is_dimension
 from vividc.ssa.polyhedral.loops import loops_of
 from vividc.ssa.polyhedral.orders.search import is_legal
-from vividc.ssa.polyhedral.relations import Relations, bounded
+from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.scop import Scop
 from vividc.ssa.polyhedral.trees import tree_of
+from vividc.ssa.polyhedral.values import bounded
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 

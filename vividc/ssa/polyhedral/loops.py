@@ -12,10 +12,10 @@ import islpy as isl
 
 from vividc.ssa.polyhedral.forms import ZERO, Form, symbol
 from vividc.ssa.polyhedral.orders.search import describe
-from vividc.ssa.polyhedral.relations import Relations, bounded
+from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.schedule import grouped_schedule_of
 from vividc.ssa.polyhedral.trees import Loop
-from vividc.ssa.polyhedral.values import integer
+from vividc.ssa.polyhedral.values import bounded, integer
 from vividc.ssa.rewrite.refusal import Refusal
 
 _COMPARISONS: Final = {"eq": "==", "le": "<=", "lt": "<", "ge": ">=", "gt": ">"}

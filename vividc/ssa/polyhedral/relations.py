@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from operator import eq
@@ -23,33 +22,11 @@ LARGE = 1 << 28
 skewed loops are sums of up to four of them, which must not wrap.
 """
 
-OPERATIONS: Final = 20_000_000
-"""Of isl's for one question about a tree of loops. It takes hours for a few, and no notice of the
-clock.
-"""
-
 _STRIKES: Final = 2
 """So often may it give up; then no more is asked about other trees of the part."""
 
 _LONGEST = 1 << 20
 """No dimension of an array is longer."""
-
-
-@contextmanager
-def bounded(operations: int = OPERATIONS) -> Iterator[bool]:
-    """isl gives up where it would take long; nothing is known then. The value: whether it has all
-    these operations, as none were set before.
-    """
-    context = isl.DEFAULT_CONTEXT
-    before = context.get_max_operations()
-    context.reset_operations()
-    context.set_max_operations(min(operations, before or operations))
-    try:
-        yield not before
-    except isl.Error:  # it says at random what it was doing then
-        pass
-    finally:
-        context.set_max_operations(before)
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,11 @@
-"""isl's expressions of words over the iterations of a nest, and when a block of it runs."""
+"""isl's expressions of words over the iterations of a nest, when a block of it runs, and how long
+isl may take.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -31,6 +34,27 @@ _INT_MIN: Final = -SIGN_BIT
 _WORDS: Final = 1 << WORD_BITS
 _MOST_PIECES: Final = 8
 _LONGEST: Final = MAX_DIMENSION * 4
+OPERATIONS: Final = 20_000_000
+"""Of isl's for one question about a tree of loops. It takes no notice of the clock, and one tree of
+a random nest took it 50 minutes without an end; these take about 10 s.
+"""
+
+
+@contextmanager
+def bounded(operations: int = OPERATIONS) -> Iterator[bool]:
+    """isl gives up where it would take long; nothing is known then. The value: whether it has all
+    these operations, as none were set before.
+    """
+    context = isl.DEFAULT_CONTEXT
+    before = context.get_max_operations()
+    context.reset_operations()
+    context.set_max_operations(min(operations, before or operations))
+    try:
+        yield not before
+    except isl.Error:  # it says at random what it was doing then
+        pass
+    finally:
+        context.set_max_operations(before)
 
 
 def integer(value: isl.Val) -> int:

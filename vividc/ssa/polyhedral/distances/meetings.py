@@ -33,9 +33,8 @@ from vividc.ssa.polyhedral.distances.linear import (
     solved,
 )
 from vividc.ssa.polyhedral.distances.maps import Maps, in_bytes, is_certain
-from vividc.ssa.polyhedral.relations import bounded
 from vividc.ssa.polyhedral.subscripts import Subscripts, subscripts_of
-from vividc.ssa.polyhedral.values import Expressions, integer
+from vividc.ssa.polyhedral.values import Expressions, bounded, integer
 
 _MOST_SEARCHES: Final = 150
 """Pairs of accesses of one loop, or of all straight code, that isl is asked about."""

@@ -8,11 +8,12 @@ from dataclasses import replace
 
 from vividc.host import time_limit
 from vividc.ssa.polyhedral.forms import ZERO, symbol
-from vividc.ssa.polyhedral.relations import Relations, bounded
+from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.rows import rows_of, with_own_rows
 from vividc.ssa.polyhedral.schedule import schedule_of
 from vividc.ssa.polyhedral.scop import Scop
 from vividc.ssa.polyhedral.trees import Loop, Tree, is_bound_to, statements_in
+from vividc.ssa.polyhedral.values import bounded
 
 Path = tuple[int, ...]
 """Where a loop is in a tree: positions among children, from the root."""
