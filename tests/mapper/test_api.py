@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import _thread
+import gc
 import signal
 import threading
 import time
@@ -131,6 +132,36 @@ def test_an_interrupt_stops_the_solver() -> None:
         with pytest.raises(KeyboardInterrupt):
             map_dfg(blending(), arch.load("vivid-tile"), "cpsat", ii=4, time_limit_s=60)
     finally:
+        signal.signal(signal.SIGINT, before)
+    assert time.monotonic() - began < 10
+
+
+def test_an_interrupt_in_a_callback_of_the_collector_stops_the_mapper() -> None:
+    """It was lost, and the search went on to its limit: hypothesis has such a callback."""
+    interrupts = iter([signal.SIGINT])
+
+    def callback(_phase: str, _info: dict[str, int]) -> None:
+        for one in interrupts:
+            signal.raise_signal(one)
+
+    def collect(_: str) -> None:
+        gc.collect()
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    gc.callbacks.append(callback)
+    began = time.monotonic()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            map_dfg(
+                blending(),
+                arch.load("vivid-tile"),
+                "cpsat",
+                ii=4,
+                time_limit_s=60,
+                progress=collect,
+            )
+    finally:
+        gc.callbacks.remove(callback)
         signal.signal(signal.SIGINT, before)
     assert time.monotonic() - began < 10
 

@@ -11,8 +11,7 @@ import os
 import sys
 import traceback
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from importlib import import_module
 from typing import Any, Final, NoReturn, TextIO
 
@@ -21,6 +20,7 @@ import click
 from vividc import __version__
 from vividc.cli.say import say
 from vividc.errors import InternalError, VividcError, VividcWarning
+from vividc.host.watch import heard
 from vividc_main import loading
 
 INTERRUPTED: Final = 130
@@ -89,7 +89,7 @@ class _Commands(click.Group):
         with warnings.catch_warnings():
             warnings.simplefilter("always", VividcWarning)
             warnings.showwarning = _show_warning
-            with _seen_interrupts() as interrupts:
+            with heard() as interrupts:
                 return self._guarded(ctx, interrupts)
 
     def _guarded(self, ctx: click.Context, interrupts: list[BaseException]) -> Any:
@@ -148,28 +148,6 @@ def _open_closed_streams() -> None:
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 - to the end
-
-
-@contextmanager
-def _seen_interrupts() -> Iterator[list[BaseException]]:
-    """Collect interrupts that a C library's callback swallowed, and print no traceback.
-
-    numba compiles through such callbacks, and goes on to fail for another reason.
-    """
-    seen: list[BaseException] = []
-    before = sys.unraisablehook
-
-    def hook(unraisable: sys.UnraisableHookArgs) -> None:
-        if isinstance(unraisable.exc_value, KeyboardInterrupt):
-            seen.append(unraisable.exc_value)
-        else:
-            before(unraisable)
-
-    sys.unraisablehook = hook
-    try:
-        yield seen
-    finally:
-        sys.unraisablehook = before
 
 
 def _fail(ctx: click.Context, message: str, exit_code: int) -> None:

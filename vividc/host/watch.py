@@ -1,5 +1,5 @@
-"""Passes as lists of functions, an observer of what each one leaves, whom to tell, and how often
-garbage is looked for meanwhile.
+"""Passes as lists of functions, an observer of what each one leaves, whom to tell, how often
+garbage is looked for meanwhile, and interrupts that a callback would swallow.
 
 Nobody looks unless asked (`vividc compile --print-after`): what is only tried, such as the
 estimates behind a choice, is `aside`.
@@ -7,7 +7,9 @@ estimates behind a choice, is `aside`.
 
 from __future__ import annotations
 
+import _thread
 import gc
+import sys
 import threading
 import time
 import warnings
@@ -148,3 +150,57 @@ def seldom() -> Iterator[None]:
             _inside -= 1
             if not _inside:
                 gc.set_threshold(*_before)
+
+
+_AGAIN_S: Final = 0.05
+
+
+@dataclass(slots=True)
+class _Heard:
+    """`swallowed`: interrupts that a callback did; `due`: one of them has still to come again."""
+
+    swallowed: list[BaseException] = field(default_factory=list)
+    due: bool = False
+
+
+_heard: _Heard | None = None
+
+
+@contextmanager
+def heard() -> Iterator[list[BaseException]]:
+    """Inside, an interrupt that comes while a callback runs comes again, until it is raised where
+    it ends the work, at the end of what is inside at the latest. Yields those that were swallowed.
+
+    Python only reports an exception in a callback of the garbage collector (hypothesis has one), of
+    a weak reference or of a C library. That is no rare moment: an interrupt during a collection is
+    raised in what is called at its end.
+    """
+    global _heard
+    if _heard is not None or threading.current_thread() is not threading.main_thread():
+        yield [] if _heard is None else _heard.swallowed  # only the main thread is interrupted
+        return
+    here, before = _Heard(), sys.unraisablehook
+
+    def hook(unraisable: sys.UnraisableHookArgs) -> None:
+        if isinstance(unraisable.exc_value, KeyboardInterrupt):
+            here.swallowed.append(unraisable.exc_value)
+            here.due = True
+            _thread.start_new_thread(_interrupt_again, (here,))  # takes no lock: it may be held
+        else:
+            before(unraisable)
+
+    sys.unraisablehook, _heard = hook, here
+    try:
+        yield here.swallowed
+        if here.due:
+            raise KeyboardInterrupt
+    finally:
+        sys.unraisablehook, _heard = before, None
+
+
+def _interrupt_again(here: _Heard) -> None:
+    """Interrupt the main thread when the callback has ended, if that is not too late."""
+    time.sleep(_AGAIN_S)
+    if _heard is here:
+        here.due = False
+        _thread.interrupt_main()

@@ -19,7 +19,7 @@ from vividc.errors import (
     printable,
     quoted,
 )
-from vividc.host.watch import seldom, to_tell
+from vividc.host.watch import heard, seldom, to_tell
 from vividc.mapper.check.case import Violation
 from vividc.mapper.check.certificate import check_certificate
 from vividc.mapper.check.verify import violations
@@ -110,6 +110,7 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
 
 
 @seldom()
+@heard()
 def _mapped(
     problem: MapProblem, run: Mapper, request: MapRequest, objective: str | None
 ) -> MapResult:
