@@ -262,6 +262,47 @@ def test_indices_can_be_checked(monkeypatch: pytest.MonkeyPatch) -> None:
             assert checked(np.arange(length)) == 2
 
 
+def test_what_is_made_soon_is_optimised_once_that_is_worth_it(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("VIVIDC_CACHE_DIR", str(tmp_path))
+
+    def cubes(a: Ints, factor: float) -> float:
+        found = 0.0
+        for item in a:
+            found += factor * item * item * item
+        return found
+
+    unit = Compiler(soon=True)
+    run, numbers = unit(cubes), np.arange(9)
+    expected = cubes(numbers, 0.1)
+    assert run(numbers, 0.1) == expected
+    unit.spent(1.5)
+    assert unit.is_quick
+    unit.spent(1.0)
+    assert not unit.is_quick
+    assert run(numbers, 0.1) == expected
+
+    later = Compiler(soon=True)
+    assert later(cubes)(numbers, 0.1) == expected
+    assert not later.is_quick, "optimised code is in the cache"
+
+
+def test_threads_go_on_while_one_optimises(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("VIVIDC_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(door, "WORTH_S", 0.0)
+
+    def total(a: Ints) -> int:
+        found = 0
+        for item in a:
+            found += item
+        return found
+
+    run = Compiler(soon=True)(total)
+    with ThreadPoolExecutor(4) as pool:
+        assert set(pool.map(run, [np.arange(100)] * 200)) == {4950}
+
+
 LOOPS = """
 from typing import NamedTuple
 import numpy as np

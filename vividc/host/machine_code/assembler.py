@@ -51,6 +51,21 @@ def optimised(text: str, *, in_vectors: bool) -> bytes:
         return code
 
 
+def quickly(text: str) -> bytes:
+    """The same with few optimisations: made in a third of the time, it takes a quarter longer."""
+    with LOCK:
+        machine = target_machine(1)
+        module = parsed(text, machine)
+        builder = binding.create_pass_builder(machine, binding.create_pipeline_tuning_options())
+        passes = binding.create_new_module_pass_manager()
+        passes.add_sroa_pass()
+        passes.add_simplify_cfg_pass()
+        passes.add_instruction_combine_pass()
+        passes.run(module, builder)
+        code: bytes = machine.emit_object(module)
+        return code
+
+
 def parsed(text: str, machine: binding.TargetMachine) -> binding.ModuleRef:
     """A module for a machine, in a context of its own: numba's is used by other threads."""
     module = binding.parse_assembly(text, binding.create_context())

@@ -6,7 +6,8 @@ import ctypes
 import functools
 import os
 import struct
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Sequence
 from hashlib import sha256
 from itertools import count
 from threading import Lock
@@ -14,7 +15,7 @@ from types import FunctionType
 from typing import Any, Final, TypeVar, cast
 
 from vividc.host import cache
-from vividc.host.machine_code.assembler import host, linked, optimised
+from vividc.host.machine_code.assembler import host, linked, optimised, quickly
 from vividc.host.machine_code.body import OUTSIDE
 from vividc.host.machine_code.types import FLOAT, NOTHING, TRUTH, Array, Number, Record, Type
 from vividc.host.machine_code.unit import Signature, module_text, note, signature
@@ -33,6 +34,8 @@ as long.
 """
 _address_of: Final = ctypes.addressof
 _names = count()
+WORTH_S: Final = 2.0
+"""Seconds in functions of a unit that was compiled quickly, after which they are optimised."""
 
 
 class Compiler:
@@ -43,13 +46,20 @@ class Compiler:
     ----------
     in_vectors
         Whether loops gain by computing vectors: compiling takes half the time again.
+    soon
+        Whether they are compiled quickly, and optimised once that is worth it: what they compute is
+        the same. Most users of the mapper's functions are in them for less time than optimising
+        them takes.
     """
 
-    def __init__(self, *, in_vectors: bool = False) -> None:
+    def __init__(self, *, in_vectors: bool = False, soon: bool = False) -> None:
         self.entries: list[Entry] = []
-        self._in_vectors = in_vectors
+        self.is_quick = False
+        """Whether functions have machine code that was made quickly."""
+        self._in_vectors, self._soon = in_vectors, soon
         self._lock = Lock()
         self._alive: list[object] = []
+        self._spent_s = 0.0
 
     def __call__(self, function: _Function, /) -> _Function:
         """Have a function compiled; it keeps its type."""
@@ -60,25 +70,50 @@ class Compiler:
         with self._lock:
             entries = [entry for entry in self.entries if entry.native is None]
             text = module_text([entry.py_func for entry in entries], checked=CHECKED)
-            called = [signature(entry.py_func) for entry in entries]
-            code = self._kept(text)
-            symbols = [*(one.door for one in called), *[OUTSIDE] * CHECKED]
-            alive, addresses = linked(code, f"vividc.loops.{next(_names)}", symbols)
-            self._alive.append(alive)
-            outside = ctypes.c_int64.from_address(addresses[-1]) if CHECKED else ctypes.c_int64()
-            for entry, one, address in zip(entries, called, addresses, strict=False):
-                entry.native = _Native(one, address, outside)
+            if self._soon and cache.read(_KIND, self._key(text)) is None:
+                self._link(entries, self._kept(text, quick=True))
+                self.is_quick = True
+            else:
+                self._link(entries, self._kept(text))
 
-    def _kept(self, text: str) -> bytes:
+    def spent(self, seconds: float) -> None:
+        """Functions made quickly ran for so long: optimise them, if that is worth it by now. Other
+        threads go on with what there is.
+        """
+        self._spent_s += seconds
+        if self._spent_s < WORTH_S or not self._lock.acquire(blocking=False):
+            return
+        try:
+            if self.is_quick:
+                text = module_text([entry.py_func for entry in self.entries], checked=CHECKED)
+                self._link(self.entries, self._kept(text))
+                self.is_quick = False
+        finally:
+            self._lock.release()
+
+    def _link(self, entries: Sequence[Entry], code: bytes) -> None:
+        """Have entries call the functions of an object file."""
+        called = [signature(entry.py_func) for entry in entries]
+        symbols = [*(one.door for one in called), *[OUTSIDE] * CHECKED]
+        alive, addresses = linked(code, f"vividc.loops.{next(_names)}", symbols)
+        self._alive.append(alive)
+        outside = ctypes.c_int64.from_address(addresses[-1]) if CHECKED else ctypes.c_int64()
+        for entry, one, address in zip(entries, called, addresses, strict=False):
+            entry.native = _Native(one, address, outside)
+
+    def _key(self, text: str, *, quick: bool = False) -> str:
+        about = f"{host()}\n{'quickly' if quick else self._in_vectors}\n{text}"
+        return sha256(about.encode()).hexdigest()
+
+    def _kept(self, text: str, *, quick: bool = False) -> bytes:
         """Machine code; processes that need the same wait for the first."""
-        about = f"{host()}\n{self._in_vectors}\n{text}"
-        key = sha256(about.encode()).hexdigest()
+        key = self._key(text, quick=quick)
         code = cache.read(_KIND, key)
         if code is None:
             with cache.alone(_KIND):
                 code = cache.read(_KIND, key)
                 if code is None:
-                    code = optimised(text, in_vectors=self._in_vectors)
+                    code = quickly(text) if quick else optimised(text, in_vectors=self._in_vectors)
                     cache.write(_KIND, key, code)
         return code
 
@@ -105,7 +140,12 @@ class Entry:
         if self.native is None:
             self._unit.prepare()
         assert self.native is not None
-        return self.native(given)
+        if not self._unit.is_quick:
+            return self.native(given)
+        began = time.perf_counter()
+        result = self.native(given)
+        self._unit.spent(time.perf_counter() - began)
+        return result
 
 
 class _Native:

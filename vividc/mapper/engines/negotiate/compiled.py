@@ -8,6 +8,6 @@ from vividc.host.machine_code import Compiler, inlined
 
 __all__ = ["compiled", "inlined", "prepare"]
 
-compiled: Final = Compiler()
+compiled: Final = Compiler(soon=True)
 prepare: Final = compiled.prepare
 """Compile it now, once an installation, and not at the first call."""
