@@ -7,27 +7,42 @@ import pytest
 from tests.mapper.random_graphs import random_loop
 from vividc import arch
 from vividc.mapper import map_dfg
+from vividc.mapper.bounds.bounds import all_bounds, mii
 from vividc.mapper.check.verify import verify
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.request import EffortLevel, MapRequest
+from vividc.mapper.request import EffortLevel, MapRequest, Progress
 from vividc.mapper.search.attempt import map_decoupled
+from vividc.mapper.search.negotiation import negotiate_downward, restart_below
 from vividc.mapper.search.state import OPEN, Attempt, IISearch
 
 TILE = arch.load("vivid-tile")
 
 
-def mapped(best: int, lower: int, effort: EffortLevel, found_s: float = 1.0) -> IISearch:
-    request = MapRequest(None, Deadline.after(1000.0), effort=effort)
-    made = IISearch(MapProblem(random_loop(1, 4), TILE), request, lambda *_: OPEN, lower)
+def mapped(
+    best: int,
+    lower: int,
+    effort: EffortLevel,
+    found_s: float = 1.0,
+    nodes: int = 4,
+    tell: Progress = lambda _: None,
+) -> IISearch:
+    request = MapRequest(None, Deadline.after(1000.0), progress=tell, effort=effort)
+    made = IISearch(MapProblem(random_loop(1, nodes), TILE), request, lambda *_: OPEN, lower)
     request.deadline.charge(found_s)
     made.record(best, Attempt(mapping=Mapping(best, {}, {})))
     return made
 
 
-def left_s(best: int, lower: int, effort: EffortLevel, found_s: float = 1.0) -> float:
-    return mapped(best, lower, effort, found_s).deadline.remaining_s
+def bound_of(nodes: int) -> int:
+    return mii(all_bounds(MapProblem(random_loop(1, nodes), TILE)))
+
+
+def left_s(
+    best: int, lower: int, effort: EffortLevel, found_s: float = 1.0, nodes: int = 4
+) -> float:
+    return mapped(best, lower, effort, found_s, nodes).deadline.remaining_s
 
 
 def test_fast_stops_at_the_first_good_mapping() -> None:
@@ -38,7 +53,35 @@ def test_fast_stops_at_the_first_good_mapping() -> None:
 
 def test_normal_goes_on_for_longer_the_more_there_is_to_gain_and_the_longer_it_took() -> None:
     assert 0 < left_s(6, 5, "normal") < left_s(7, 5, "normal") < 500
-    assert left_s(7, 5, "normal", 1.0) < left_s(7, 5, "normal", 5.0) < 500
+    assert left_s(7, 5, "normal", 1.0) < left_s(7, 5, "normal", 20.0) < 500
+
+
+def test_normal_goes_on_for_less_with_a_large_graph() -> None:
+    assert left_s(6, 5, "normal", nodes=60) == left_s(6, 5, "normal", nodes=4)
+    assert 0 < left_s(7, 5, "normal", nodes=60) < left_s(7, 5, "normal", nodes=4)
+
+
+@pytest.mark.parametrize(("left_s", "is_tried"), [(0.1, False), (0.5, True)])
+def test_no_negotiation_begins_that_patience_would_cut_short(left_s: float, is_tried: bool) -> None:
+    """Annealing 60 nodes takes 0.15 s of effort."""
+    lines: list[str] = []
+    bound = bound_of(60)
+    search = mapped(bound + 1, bound, "normal", nodes=60, tell=lines.append)
+    search.request.deadline.charge(search.deadline.remaining_s - left_s)
+    restart_below(search)
+    assert any("annealing" in line for line in lines) == is_tried
+    assert is_tried or (search.over and search.deadline.passed)
+
+
+@pytest.mark.parametrize(("nodes", "is_tried"), [(60, True), (160, False)])
+def test_a_proof_has_its_effort_whatever_patience_is_left(nodes: int, is_tried: bool) -> None:
+    """But of large graphs, of which it proved nothing."""
+    bound = bound_of(nodes)
+    search = mapped(bound + 1, bound, "normal", nodes=nodes)
+    search.request.deadline.charge(search.deadline.remaining_s)
+    spent_s = search.request.deadline.meter.spent_s
+    negotiate_downward(search)
+    assert (search.request.deadline.meter.spent_s > spent_s) == is_tried
 
 
 def test_prove_goes_on_to_the_deadline() -> None:

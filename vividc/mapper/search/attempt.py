@@ -25,11 +25,10 @@ from vividc.mapper.engines.negotiate import Effort, negotiate
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
 from vividc.mapper.resources.plain_core import named_anew, unrotated
-from vividc.mapper.search.state import OPEN, Attempt
+from vividc.mapper.search.state import OPEN, Attempt, is_large
 from vividc.mapper.search.tuning import (
     BOOLEANS_PER_S,
     LARGE_ARRAY,
-    LARGE_GRAPH,
     MOST_BOOLEANS,
     MOST_DOUBLINGS,
     ROUTE_S,
@@ -37,6 +36,8 @@ from vividc.mapper.search.tuning import (
     SCHEDULE_KINDS,
     SCHEDULE_S,
     SCHEDULE_S_PER_NODE,
+    SCHEDULED_SHARE,
+    SCHEDULED_SHARE_TO_PROVE,
     SECOND_SEED,
     SEEDS_IN_STEP,
     WIDEN_AFTER,
@@ -44,11 +45,6 @@ from vividc.mapper.search.tuning import (
 
 _SCHEDULES_PER_ROUND: Final = 1000
 """Seeds of one round of `map_decoupled`."""
-
-
-def is_large(problem: MapProblem) -> bool:
-    """Whether placing and routing by constraints takes longer than by negotiation."""
-    return len(problem.dfg.placed) >= LARGE_GRAPH
 
 
 def needs_warm_start(problem: MapProblem) -> bool:
@@ -65,9 +61,10 @@ def refute_cheaply(
     """Modulo scheduling without places, first with short schedules, which are found faster where
     there are any.
     """
-    half = deadline.within(deadline.remaining_s / 2)
+    share = SCHEDULED_SHARE_TO_PROVE if request.effort == "prove" else SCHEDULED_SHARE
+    part = deadline.within(deadline.remaining_s * share)
     any_schedule = ScheduleOptions(slack=ii, carry=False)
-    search = Search(half, request.workers, light=True)
+    search = Search(part, request.workers, light=True)
     if schedule(problem, ii, any_schedule, search).verdict == "found" or deadline.passed:
         return OPEN
     outcome = refute_schedule(problem, ii, Search(deadline, request.workers))

@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 
 from vividc.arch.fabric import Fabric
-from vividc.mapper.engines.negotiate import Effort
+from vividc.mapper.deadline import Deadline
+from vividc.mapper.engines.negotiate import Effort, annealing_s
 from vividc.mapper.search.attempt import map_negotiated, refute_cheaply
 from vividc.mapper.search.climb import first_turn
 from vividc.mapper.search.state import Attempt, IISearch, ii_limit
@@ -22,7 +23,9 @@ from vividc.mapper.search.tuning import (
     FIRST_PROOF_S,
     FIRST_SHARE,
     LARGE_STEP_WITH_MOVES,
+    PATIENCES,
     PROOF_S,
+    PROVED_GRAPH,
     QUICK,
     ROOMY,
     SEEDED_NODES,
@@ -62,11 +65,11 @@ def _is_roomy(search: IISearch) -> bool:
 
 def negotiate_downward(search: IISearch) -> None:
     """Smaller IIs in rounds of growing effort, and the bound as far as it is raised easily."""
-    _raise_bound(search, FIRST_PROOF_S)
+    _raise_bound(search, first=True)
     moves = search.problem.fabric.routing.moves
     for turn, effort in enumerate(DESCENTS_WITH_MOVES if moves else DESCENTS):
         descend(search, effort, 1 + turn)
-    _raise_bound(search, PROOF_S)
+    _raise_bound(search, first=False)
 
 
 def restart_below(search: IISearch) -> None:
@@ -77,6 +80,9 @@ def restart_below(search: IISearch) -> None:
     rectangles, turn = windows(search), 0
     while search.open_iis() and not search.deadline.passed:
         turn += 1
+        if _is_cut_short(search, turn):
+            search.over = True
+            break
         if _negotiate_seeds(search, search.open_iis()[-1], turn):
             turn = 0
             continue
@@ -143,25 +149,48 @@ def descend(search: IISearch, effort: Effort, seed: int = 1) -> None:
             low = ii + 1
 
 
-def _raise_bound(search: IISearch, budget_s: float) -> None:
-    """Refute from below while that is easy."""
+def _raise_bound(search: IISearch, *, first: bool) -> None:
+    """Refute from below while that is easy; `first`: before the way downward."""
     while search.open_iis():
-        before = search.lower
-        budget = search.deadline.within(budget_s)
+        before, budget = search.lower, _for_a_proof(search, first)
+        if budget.passed:
+            return
         search.record(before, refute_cheaply(search.problem, before, search.request, budget))
         if search.lower == before:
             return
 
 
+def _for_a_proof(search: IISearch, first: bool) -> Deadline:
+    """Of one, which is worth its effort or not, whatever patience is left."""
+    request = search.request
+    if request.effort == "prove":
+        return search.deadline.within(FIRST_PROOF_S if first else PROOF_S)
+    patience = PATIENCES[request.effort]
+    seconds = patience.first_proof_s if first else patience.proof_s
+    large = len(search.problem.dfg.placed) >= PROVED_GRAPH
+    return request.deadline.within(0.0 if large else seconds)
+
+
+def _is_cut_short(search: IISearch, turn: int) -> bool:
+    """Whether patience would end before the annealing of this turn is cold: its places crowd."""
+    if search.request.effort == "prove" or search.incumbent is None:
+        return False
+    return search.deadline.remaining_s < annealing_s(search.problem, _effort(turn))
+
+
 def _negotiate_seeds(search: IISearch, ii: int, turn: int) -> bool:
     """Some seeds, with effort that grows from turn to turn; whether one maps."""
-    effort = Effort(moves=Effort().moves * (1 + turn // 2), repairs=Effort().repairs * turn)
+    effort = _effort(turn)
     for seed in _seeds(search, turn):
-        if search.deadline.passed:
+        if search.deadline.passed or _is_cut_short(search, turn):
             return False
         if negotiate(search, ii, seed, effort).mapping is not None:
             return True
     return False
+
+
+def _effort(turn: int) -> Effort:
+    return Effort(moves=Effort().moves * (1 + turn // 2), repairs=Effort().repairs * turn)
 
 
 def _seeds(search: IISearch, turn: int) -> range:

@@ -14,7 +14,7 @@ from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import Mapper, MapRequest
 from vividc.mapper.resources.distances import hop_distances
 from vividc.mapper.result import MapResult
-from vividc.mapper.search.tuning import NEAR, PATIENCES, TRY_S
+from vividc.mapper.search.tuning import LARGE_GRAPH, NEAR, PATIENCES, TRY_S
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +50,8 @@ class IISearch:
         The mapping with the least II so far.
     in_window
         The same strategy for a rectangle of the array; None: this search is on one.
+    over
+        Nothing that is left to try is worth what is left of the patience.
     began, improved
         When the search began and when the incumbent was found, in seconds of effort; `began_s`,
         `improved_s`: by the monotonic clock.
@@ -61,6 +63,7 @@ class IISearch:
     lower: int
     incumbent: Mapping | None = None
     in_window: Mapper | None = None
+    over: bool = False
     refuted: dict[int, str] = field(default_factory=dict)
     tries: dict[int, int] = field(default_factory=dict)
     began: float = field(init=False)
@@ -117,10 +120,14 @@ class IISearch:
         deadline = self.request.deadline
         if self.incumbent is None or self.request.effort == "prove":
             return deadline
+        if self.over:
+            return replace(deadline, at=min(deadline.at, deadline.meter.spent_s))
         patience = PATIENCES[self.request.effort]
         patience_s = max(patience.least_s, patience.factor * (self.improved - self.began))
         if self.incumbent.ii - self.lower <= max(NEAR, patience.good * self.lower):
             patience_s *= patience.near
+        elif is_large(self.problem):
+            patience_s *= patience.large
         return replace(deadline, at=min(deadline.at, self.improved + patience_s))
 
     @property
@@ -159,6 +166,11 @@ class IISearch:
         if self.incumbent is None:
             return "timeout"
         return "feasible" if self.unfinished else "optimal"
+
+
+def is_large(problem: MapProblem) -> bool:
+    """Whether placing and routing by constraints takes longer than by negotiation."""
+    return len(problem.dfg.placed) >= LARGE_GRAPH
 
 
 def ii_limit(problem: MapProblem) -> int:

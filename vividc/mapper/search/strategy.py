@@ -13,8 +13,7 @@ from vividc.mapper.deadline import Deadline
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
 from vividc.mapper.result import MapInterrupted, MapResult
-from vividc.mapper.search.attempt import is_large
-from vividc.mapper.search.state import OPEN, Attempt, IISearch, TryII
+from vividc.mapper.search.state import OPEN, Attempt, IISearch, TryII, is_large
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,15 @@ problem), `places`, `words`, `motion`, `anneal`; `traffic`, `ways`, `repair` (wi
 
 from vividc.mapper.engines.negotiate.compiled import prepare
 from vividc.mapper.engines.negotiate.frame import least_span, loose_frame, tight_frame
-from vividc.mapper.engines.negotiate.negotiate import negotiate
+from vividc.mapper.engines.negotiate.negotiate import annealing_s, negotiate
 from vividc.mapper.engines.negotiate.tuning import Effort
 
-__all__ = ["Effort", "least_span", "loose_frame", "negotiate", "prepare", "tight_frame"]
+__all__ = [
+    "Effort",
+    "annealing_s",
+    "least_span",
+    "loose_frame",
+    "negotiate",
+    "prepare",
+    "tight_frame",
+]

@@ -73,6 +73,14 @@ def negotiate(
     return None if mapping is None else _checked(mapping, problem)
 
 
+def annealing_s(problem: MapProblem, effort: Effort) -> float:
+    """Effort that annealing a graph's places once takes at least, in seconds."""
+    moves = effort.moves * len(problem.dfg.placed)
+    if problem.fabric.routing.moves:
+        return effort.shown * moves * tuning.SHOWN_MOVE_S
+    return moves * tuning.MOVE_S
+
+
 def _checked(mapping: Mapping, task: MapProblem) -> Mapping:
     faults = violations(
         task.dfg, task.fabric, mapping, allowed=task.allowed, resident=task.resident
