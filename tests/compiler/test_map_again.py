@@ -15,6 +15,7 @@ from vividc.dfg.regions import Kernel
 from vividc.mapper import MapResult
 from vividc.mapper.check.verify import violations
 from vividc.mapper.engines.negotiate import least_span
+from vividc.mapper.engines.negotiate.frame import Frame
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.resources.banks import words_of
 from vividc.program.encoder.banks import choose_layout, traffic_of
@@ -131,3 +132,16 @@ def test_what_it_computes_stays() -> None:
     result = vividc.simulate(program, x, y)
     assert np.array_equal(y, expected)
     assert result.stats["stalls"]["bank_conflict"] < 0.1 * result.cycles
+
+
+def test_seeds_that_map_nothing_end_a_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    seeds: dict[int | None, list[int]] = {}
+
+    def nothing(_problem: object, _ii: int, seed: int, *_: object, frame: Frame) -> None:
+        seeds.setdefault(max(frame.last.values()), []).append(seed)
+
+    monkeypatch.setattr("vividc.compiler.map_again.negotiate", nothing)
+    _, results, _, _ = mapped(eight_apart, runs=True)
+    assert all(result.mapping is not None for result in results.values())
+    assert seeds
+    assert all(len(tried) <= 2 for tried in seeds.values()), seeds

@@ -53,8 +53,20 @@ worth a search.
 _SHORTER_EFFORT: Final = Effort(moves=4000, rounds=30, repairs=60, trials=1)
 """Of each seed at a length; lengths are halved between the least one and the shortest found."""
 
+_SHORTER_MISSES: Final = 2
+"""Seeds at a length that map nothing, after which it is given up: of 40 lengths of PolyBench and
+`kernels/` at which two failed, the third mapped none.
+"""
+
 _ENOUGH: Final = 0.1
-"""Of a loop's stalls: a mapping that leaves no more ends the search."""
+"""Of a loop's stalls: a mapping that leaves no more ends the search; one that saves no more brought
+nothing.
+"""
+
+_IDLE: Final = 2
+"""Seeds in turn that bring nothing, after which no more are tried: of 15 loops of PolyBench and
+`kernels/` no later one did; of 8 whose first two mapped none or worse, none came to save anything.
+"""
 
 _BUDGET_S: Final = 3.0
 """Seconds of effort, at most, for a kernel."""
@@ -235,11 +247,14 @@ class _Loops:
         stalls = self.stalls(index, best, known)
         apart = self.traffic(index, best).meetings(known)
         while (span := self.span(index, best)) > least and not deadline.passed:
-            tried, better = (least + span) // 2, None
+            tried, better, misses = (least + span) // 2, None, 0
             for seed, meetings in ((1, apart), (1, NO_MEETINGS), (2, NO_MEETINGS)):
+                if misses == _SHORTER_MISSES:
+                    break
                 made = self._negotiated(
                     problem, best, seed, deadline, _SHORTER_EFFORT, meetings, tried
                 )
+                misses += made is None
                 if made and self.stalls(index, made, known) <= stalls:
                     better = made
                     break
@@ -267,19 +282,24 @@ class _Loops:
         """The least costly of some mappings of a loop at its II; None: there is none."""
         old, problem = _mapping(results[index]), self.problem(index, results)
         meetings = self.traffic(index, old).meetings(known)
-        stalls = self.stalls(index, old, known)
-        enough = self.total(results, known) - (1.0 - _ENOUGH) * stalls
+        stalls, least = self.stalls(index, old, known), self.total(results, known)
+        enough = least - (1.0 - _ENOUGH) * stalls
         best: _Again | None = None
+        idle = 0
         for seed in _SEEDS:
-            if deadline.passed or (best is not None and best.cycles <= enough):
+            if deadline.passed or least <= enough or idle == _IDLE:
                 break
             made = self._negotiated(problem, old, seed, deadline, _EFFORT, meetings)
+            idle += 1
             if made is None:
                 continue
             changed = {**results, index: replace(results[index], mapping=made)}
             cycles = self.total(changed, self.known(changed) if anew else known)
+            if cycles < least - _ENOUGH * stalls:
+                idle = 0
             if best is None or cycles < best.cycles:
                 best = _Again(made, cycles)
+            least = min(least, cycles)
         return best
 
     def _negotiated(
