@@ -23,8 +23,8 @@ from numba.extending import overload
 from numba.np import arraymath, arrayobj, npyimpl
 
 from vividc.frontend.llvm.calls import ALLOCATE, COPY, OVERLAP, PICK, TABLE
+from vividc.frontend.numba.expressions.loops import ufunc_loops
 from vividc.frontend.numba.lines import first_line
-from vividc.frontend.numba.loops import ufunc_loops
 from vividc.lang.formats import MISUSE
 
 _I64 = ir.IntType(64)

@@ -79,7 +79,7 @@ def marked_subscripts(py_func: Callable[..., Any], args: tuple[Any, ...]) -> Ite
         context: Any, builder: Any, data: Any, shape: Any, *rest: Any, **named: Any
     ) -> Any:
         if current[0].array:
-            shape = _pitches(builder, current[0].array, shape)
+            shape = pitches_of(builder, current[0].array, shape)
         return item_pointer(context, builder, data, shape, *rest, **named)
 
     Lower.lower_inst = lower_marked
@@ -175,7 +175,7 @@ def _constant(part: Any) -> int | None:
     return value
 
 
-def _pitches(builder: Any, array: str, shape: Any) -> list[Any]:
+def pitches_of(builder: Any, array: str, shape: Any) -> list[Any]:
     """The dimensions of an array, by pitches but for the first; computed where the function
     begins.
     """

@@ -48,8 +48,11 @@ from vividc.frontend.numba.arrays import (
     pick,
     reshape,
 )
-from vividc.frontend.numba.assign import assigned_in_place
 from vividc.frontend.numba.division import division
+from vividc.frontend.numba.expressions.assign import assigned_in_place
+from vividc.frontend.numba.expressions.inplace import TARGET_NAME
+from vividc.frontend.numba.expressions.loops import copied
+from vividc.frontend.numba.expressions.views import followed_views
 from vividc.frontend.numba.integer import integer_loops, integer_operator
 from vividc.frontend.numba.library.math import complex_power, float_loops
 from vividc.frontend.numba.library.sort import is_sort, sort
@@ -59,8 +62,6 @@ from vividc.frontend.numba.prange import parallel_range
 from vividc.frontend.numba.raises import NUMPY, CallConv, model_of
 from vividc.frontend.numba.subscripts import marked_subscripts
 from vividc.frontend.numba.time import TimedTyping, ask, in_time
-
-TARGET_NAME = "vividc"
 
 
 class Callee:
@@ -464,7 +465,13 @@ def numba_module(
         # A helper without a source file has inexact lines: that is no matter of the user's.
         warnings.simplefilter("ignore", errors.NumbaDebugInfoWarning)
         warnings.simplefilter("ignore", errors.NumbaExperimentalFeatureWarning)
-        with in_time(), _in_our_way(), marked_subscripts(py_func, args), assigned_in_place(py_func):
+        with (
+            in_time(),
+            _in_our_way(),
+            marked_subscripts(py_func, args),
+            assigned_in_place(py_func, copied),
+            followed_views(py_func, args),
+        ):
             result = _compile(py_func, args, return_type, model_of(None))
     texts, described = result.library.all_texts(), result.fndesc
     return NumbaModule(texts, described.llvm_func_name, result.signature.return_type)

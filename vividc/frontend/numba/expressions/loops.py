@@ -8,43 +8,92 @@ a nest without such choices runs instead. LLVM drops the other one where shapes 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from types import SimpleNamespace
 from typing import Any
 
 from llvmlite import ir
 from numba.core import cgutils, types
 from numba.np import npyimpl
 
-from vividc.frontend.numba.assign import deferral
+from vividc.frontend.numba.expressions.assign import deferral
+from vividc.frontend.numba.expressions.numbers import value
+from vividc.frontend.numba.expressions.views import View, operands
 
 
 def ufunc_loops(
     context: Any, builder: ir.IRBuilder, sig: Any, args: Any, ufunc: Any, kernel_class: Any
 ) -> Any:
     """Numba's `numpy_ufunc_kernel`; of an expression that is assigned later, nothing yet."""
-    later = deferral.get()
+    later, views = deferral.get(), list(operands.get() or ())
+    if not isinstance(sig.return_type, types.Array) or len(views) > len(args):
+        views = []
+    views += [None] * (len(args) - len(views))
     if later is not None and not later.taken and isinstance(sig.return_type, types.Array):
 
-        def run(view: Any, kind: Any) -> None:
-            into = kind(*sig.args, kind)
-            _run(context, builder, into, [*args, view], ufunc, kernel_class)
+        def run(part: Any, kind: Any, selected: View | None) -> None:
+            into, given = kind(*sig.args, kind), [*args, part]
+            _run(context, builder, into, given, ufunc, kernel_class, [*views, selected])
 
         later.taken.append(run)
         return ir.Constant(context.get_value_type(sig.return_type), ir.Undefined)
-    return _run(context, builder, sig, args, ufunc, kernel_class)
+    return _run(context, builder, sig, args, ufunc, kernel_class, views)
+
+
+def copied(
+    context: Any, builder: ir.IRBuilder, given: Any, kind: Any, view: View | None
+) -> Callable[[Any, Any, View | None], None]:
+    """The loops that store an array or a number to a part of an array."""
+
+    def run(part: Any, into: Any, selected: View | None) -> None:
+        _run(context, builder, into(kind, into), [given, part], _COPY, _Cast, [view, selected])
+
+    return run
+
+
+class _Cast(npyimpl._Kernel):  # type: ignore[misc]
+    """Stores what it loads."""
+
+    def generate(self, *args: Any) -> Any:
+        """An element of the type that the part has."""
+        return self.cast(args[0], self.outer_sig.args[0], self.outer_sig.return_type)
+
+
+_COPY = SimpleNamespace(nin=1, nout=1)
+
+
+class _Viewed(npyimpl._ArrayHelper):  # type: ignore[misc]
+    """An operand of which it is known where its elements lie in its array (`of`)."""
+
+    of: View
+
+    def _load_effective_address(self, indices: list[Any]) -> Any:
+        return self.of.pointer(self.context, self.builder, indices)
+
+
+def _operand(context: Any, builder: ir.IRBuilder, arg: Any, kind: Any, view: View | None) -> Any:
+    plain = npyimpl._prepare_argument(context, builder, arg, kind)
+    if view is None or not isinstance(plain, npyimpl._ArrayHelper):
+        return plain
+    viewed = _Viewed(*plain._replace(shape=[value(size) for size in view.shape]))
+    viewed.of = view
+    return viewed
 
 
 def _run(
-    context: Any, builder: ir.IRBuilder, sig: Any, args: Any, ufunc: Any, kernel_class: Any
+    context: Any,
+    builder: ir.IRBuilder,
+    sig: Any,
+    args: Any,
+    ufunc: Any,
+    kernel_class: Any,
+    views: list[View | None],
 ) -> Any:
-    operands = [
-        npyimpl._prepare_argument(context, builder, arg, kind)
-        for arg, kind in zip(args, sig.args, strict=True)
-    ]
-    inputs, results = operands[: ufunc.nin], operands[ufunc.nin :]
+    given = [_operand(context, builder, *one) for one in zip(args, sig.args, views, strict=True)]
+    inputs, results = given[: ufunc.nin], given[ufunc.nin :]
     is_given = bool(results)
     for kind in npyimpl._unpack_output_types(ufunc, sig)[len(results) :]:
-        results.append(_result(context, builder, kind, sig, operands))
+        results.append(_result(context, builder, kind, sig, given))
     outer = npyimpl._ufunc_loop_sig([r.base_type for r in results], [i.base_type for i in inputs])
     kernel = kernel_class(context, builder, outer)
 
@@ -69,9 +118,9 @@ def _run(
     return npyimpl._pack_output_values(ufunc, context, builder, sig.return_type, values)
 
 
-def _result(context: Any, builder: ir.IRBuilder, kind: Any, sig: Any, operands: Any) -> Any:
+def _result(context: Any, builder: ir.IRBuilder, kind: Any, sig: Any, given: Any) -> Any:
     if isinstance(kind, types.ArrayCompatible):
-        return npyimpl._build_array(context, builder, kind, sig.args, operands)
+        return npyimpl._build_array(context, builder, kind, sig.args, given)
     nothing = ir.Constant(context.get_value_type(kind), None)
     return npyimpl._prepare_argument(context, builder, nothing, kind)
 

@@ -23,6 +23,8 @@ from numba.core import ir, types
 from numba.core.ir_utils import build_definitions, find_callname, guard
 from numba.core.lowering import Lower
 
+from vividc.frontend.numba.expressions.views import views_of
+
 _ITEMS: Final = ("getitem", "static_getitem")
 _VIEWS: Final = frozenset({"T", "real", "imag"})
 _METHODS: Final = frozenset({"reshape", "transpose", "ravel", "view"})
@@ -39,16 +41,21 @@ _PARTS: Final = frozenset({"call", "build_tuple", "build_slice"})
 class Deferral:
     """Where `loops.ufunc_loops` leaves what it would do, in a statement that is computed later."""
 
-    taken: list[Callable[[Any, Any], None]] = field(default_factory=list)
+    taken: list[Callable[[Any, Any, Any], None]] = field(default_factory=list)
 
+
+Copy = Callable[[Any, Any, Any, Any, Any], Callable[[Any, Any, Any], None]]
+"""Of numba's context and builder, a value, its type and what it selects, if that is known."""
 
 deferral: ContextVar[Deferral | None] = ContextVar("deferral", default=None)
 """Set while an expression is lowered whose loops run later."""
 
 
 @contextmanager
-def assigned_in_place(py_func: Callable[..., Any]) -> Iterator[None]:
-    """Lower the array expressions of `py_func` where they are assigned."""
+def assigned_in_place(py_func: Callable[..., Any], copied: Copy) -> Iterator[None]:
+    """Lower the array expressions of `py_func` where they are assigned; `copied`: the loops that
+    store an array or a number to a part of an array.
+    """
     lower_inst = Lower.lower_inst
     plans: dict[Any, _Plan] = {}
 
@@ -70,11 +77,14 @@ def assigned_in_place(py_func: Callable[..., Any]) -> Iterator[None]:
                 deferral.reset(kept)
             return
         kept_loops = plan.kept.pop(inst, None)
-        if kept_loops is None or not kept_loops.taken:
+        run = kept_loops.taken[0] if kept_loops is not None and kept_loops.taken else None
+        if inst in plan.copies:
+            run = plan.copy(inst, copied)
+        if run is None:
             lower_inst(lowerer, inst)
             return
         lowerer.debuginfo.mark_location(lowerer.builder, lowerer.loc.line)
-        kept_loops.taken[0](*plan.view(inst))
+        run(*plan.view(inst), plan.selected(inst))
 
     Lower.lower_inst = lower
     try:
@@ -87,7 +97,8 @@ class _Plan:
     """What of a function's statements is lowered elsewhere.
 
     `later`: assignments of expressions, and where each is stored; `nothing`: stores of what is
-    there already; `kept`: the loops to run, by store.
+    there already; `copies`: stores of arrays that lie elsewhere, and of numbers; `kept`: the loops
+    to run, by store.
     """
 
     def __init__(self, lowerer: Any) -> None:
@@ -96,6 +107,7 @@ class _Plan:
         self._definitions = build_definitions(self._ir.blocks)
         self.later: dict[Any, Any] = {}
         self.nothing: set[Any] = set()
+        self.copies: set[Any] = set()
         self.kept: dict[Any, Any] = {}
         self._uses = _counted(self._ir)
         self._here: set[str] = set()
@@ -118,6 +130,19 @@ class _Plan:
         ]
         return implementation(lowerer.builder, args), signature.return_type
 
+    def copy(self, store: Any, copied: Copy) -> Callable[[Any, Any, Any], None]:
+        """The loops that store a value."""
+        lowerer, name = self._lowerer, store.value.name
+        views = views_of(lowerer)
+        given = None if views is None else views.of(name)
+        kind = types.unliteral(lowerer.typeof(name))
+        return copied(lowerer.context, lowerer.builder, lowerer.loadvar(name), kind, given)
+
+    def selected(self, store: Any) -> Any:
+        """What is known of the part that is assigned to: a view, or None."""
+        views = views_of(self._lowerer)
+        return None if views is None else views.part(store.target.name, _index_of(store))
+
     def _signature(self, store: Any) -> Any:
         typing = self._lowerer.context.typing_context
         kinds = tuple(self._lowerer.typeof(v.name) for v in (store.target, _index_of(store)))
@@ -127,10 +152,20 @@ class _Plan:
     def _plan(self, before: list[Any], store: Any) -> None:
         if not self._is_part(store):
             return
+        self._here = {one.target.name for one in before if isinstance(one, ir.Assign)}
+        if self._is_same_part(store.value, store):
+            self.nothing.add(store)
+            return
+        if self._fits([store.value], store) and self._is_apart(store.value, store):
+            self.copies.add(store)
+        self._plan_expression(before, store)
+        if store in self.nothing or store in self.later.values():
+            self.copies.discard(store)
+
+    def _plan_expression(self, before: list[Any], store: Any) -> None:
         value = self._only(store.value.name)
         if not isinstance(value, ir.Expr):
             return
-        self._here = {one.target.name for one in before if isinstance(one, ir.Assign)}
         if value.op == "inplace_binop" and self._is_same_part(value.lhs, store):
             self.nothing.add(store)
             return
@@ -143,7 +178,7 @@ class _Plan:
                 return
         else:
             return
-        if self._fits(value, store) and all(
+        if self._fits([*value.list_vars(), store.value], store) and all(
             self._is_apart(operand, store) for operand in value.list_vars()
         ):
             self.later[made] = store
@@ -160,17 +195,15 @@ class _Plan:
             isinstance(part, (*slices, types.Integer)) for part in parts
         )
 
-    def _fits(self, value: Any, store: Any) -> bool:
+    def _fits(self, operands: list[Any], store: Any) -> bool:
         """Whether all operands are arrays and numbers, of no more dimensions than the part."""
-        kinds = [self._lowerer.typeof(var.name) for var in value.list_vars()]
-        result = self._lowerer.typeof(store.value.name)
+        kinds = [types.unliteral(self._lowerer.typeof(var.name)) for var in operands]
         signature = self._signature(store)
         view = None if signature is None else signature.return_type
-        return (
-            isinstance(view, types.Array)
-            and isinstance(result, types.Array)
-            and result.ndim <= view.ndim
-            and all(isinstance(one, types.Array | types.Number | types.Boolean) for one in kinds)
+        return isinstance(view, types.Array) and all(
+            isinstance(one, types.Number | types.Boolean)
+            or (isinstance(one, types.Array) and one.ndim <= view.ndim)
+            for one in kinds
         )
 
     def _is_pure(self, statement: Any) -> bool:

@@ -1,0 +1,5 @@
+"""Array expressions and assignments to parts of arrays, as loops that one would write by hand.
+
+In order: `numbers` and `views` (which elements of its array a view selects), `inplace` (`+=`),
+`assign` (no array between where none is needed), `loops`.
+"""
