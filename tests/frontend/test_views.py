@@ -47,7 +47,7 @@ class Builder:
         return Word(_int(one) - _int(other))
 
     @contextmanager
-    def goto_entry_block(self) -> Iterator[None]:
+    def goto_block(self, _block: object) -> Iterator[None]:
         yield
 
 
@@ -190,3 +190,21 @@ def test_integers_in_place_wrap_as_numbas() -> None:
     vividc.simulate(program, *mine, 777)
     for one, other in zip(mine, theirs, strict=True):
         assert np.array_equal(one, other)
+
+
+@vividc.kernel("void(boolean, float32[:, ::1], float32[:, ::1], boolean)")
+def flagged(flag, a, b, other):
+    if flag:
+        b[1:-1, 1:-1] = a[1:-1, 1:-1] + a[:-2, 1:-1] * a[2:, 2:]
+    if other:
+        b += a * np.float32(2)
+
+
+@pytest.mark.parametrize("flag", [False, True])
+def test_arrays_may_follow_flags(flag: bool) -> None:
+    """Numba branches on a flag where the function begins, before it has the arrays."""
+    a = np.arange(36, dtype=np.float32).reshape(6, 6)
+    mine, numbas = a[::-1].copy(), a[::-1].copy()
+    vividc.simulate(words_in_blocks(flagged.lower()), flag, a, mine, not flag)
+    flagged(flag, a, numbas, not flag)
+    np.testing.assert_array_equal(mine, numbas)

@@ -22,10 +22,13 @@ def value(number: Number) -> Any:
 
 
 class Numbers:
-    """Arithmetic at the place of `builder`, in 64 bits, which nothing here exceeds."""
+    """Arithmetic at the place of `builder`, in 64 bits, which nothing here exceeds; `begin`: the
+    block where the function has its arguments, whose end numba writes last.
+    """
 
-    def __init__(self, builder: llvm.IRBuilder) -> None:
+    def __init__(self, builder: llvm.IRBuilder, begin: Any = None) -> None:
         self._builder = builder
+        self._begin = begin
         self._fixed: set[Any] = set()
         self._made: dict[tuple[Any, ...], Any] = {}
 
@@ -118,7 +121,7 @@ class Numbers:
             return self._emit(what, value(one), value(other))
         key = (what, *(n if isinstance(n, int) else (id(n),) for n in (one, other)))
         if key not in self._made:
-            with self._builder.goto_entry_block():
+            with self._builder.goto_block(self._begin):
                 self._made[key] = self._emit(what, value(one), value(other))
             self.fix(self._made[key])
         return self._made[key]

@@ -86,7 +86,8 @@ class Views:
         self._lowerer = lowerer
         self._is_kernel = tuple(lowerer.fndesc.argtypes) == args
         self._definitions = build_definitions(lowerer.func_ir.blocks)
-        self._numbers = Numbers(lowerer.builder)
+        self._begin = _begin_of(lowerer)
+        self._numbers = Numbers(lowerer.builder, self._begin)
         self._kept: dict[str, View] = {}
 
     def only(self, name: str) -> Any:
@@ -134,7 +135,7 @@ class Views:
         builder = lowerer.builder
         if isinstance(made, ir.Arg):
             name = made.name if self._is_kernel else ""
-            with builder.goto_entry_block():
+            with builder.goto_block(self._begin):
                 data, sizes = self._read(lowerer.fnargs[made.index], kind)
             self._numbers.fix(data, *sizes)
         else:
@@ -327,6 +328,15 @@ def _each(view: View, change: Callable[[Any], Any]) -> View:
         tuple(None if one is None else (one[0], change(one[1])) for one in view.axes),
         tuple(map(change, view.shape)),
     )
+
+
+def _begin_of(lowerer: Any) -> Any:
+    """The block in which the function has all its arguments, before its statements are lowered: the
+    only one without an end that is not theirs. A flag takes a branch, and this is not the first.
+    """
+    own = set(lowerer.blkmap.values())
+    [begin] = [one for one in lowerer.function.blocks if one not in own and one.terminator is None]
+    return begin
 
 
 _views: ContextVar[dict[Any, Views] | None] = ContextVar("views", default=None)
