@@ -18,6 +18,7 @@ from tests.fuzz.witnesses import words_in_blocks
 from vividc.errors import SimulationError
 from vividc.frontend.numba.expressions.numbers import Numbers
 from vividc.machine.opcodes import MEMORY
+from vividc.ssa.interpret import interpret
 from vividc.ssa.polyhedral.subscripts import subscripts_of
 
 
@@ -208,3 +209,27 @@ def test_arrays_may_follow_flags(flag: bool) -> None:
     vividc.simulate(words_in_blocks(flagged.lower()), flag, a, mine, not flag)
     flagged(flag, a, numbas, not flag)
     np.testing.assert_array_equal(mine, numbas)
+
+
+def overlapping_in_place(a, b, n):
+    b[n - 7 : -1, -3:-7:-1] *= b[:6][:2:-1, 4:0:-1] * a[n, n - 4 : 1 : -1]
+    a[-8:-1, -8:] -= a[1:8] + a[-5, 5::-1]
+
+
+def of_a_length_less_one(a, b, n):
+    a[:1, :4] = a[n + 1 : -1, :4] * np.float32(2)
+
+
+@pytest.mark.parametrize("function", [overlapping_in_place, of_a_length_less_one])
+def test_arrays_between_have_known_sizes(function: Callable[..., object]) -> None:
+    """What would need an array between as large as all operands' shapes together is not computed
+    in place; of a slice's length LLVM makes `~start + size`.
+    """
+    kernel = vividc.kernel(SIGNATURE)(function)
+    lowered = kernel.lower()
+    a = np.arange(36, dtype=np.float32).reshape(6, 6)
+    mine, theirs = (a.copy(), a[::-1].copy()), (a.copy(), a[::-1].copy())
+    kernel(*theirs, np.int32(3))
+    interpret(lowered, *mine, 3)
+    for one, other in zip(mine, theirs, strict=True):
+        assert np.array_equal(one, other)

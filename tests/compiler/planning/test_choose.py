@@ -106,6 +106,26 @@ def test_a_nest_is_restructured_unless_that_is_ruled_out() -> None:
     assert stages[-1].estimate.cycles < stages[0].estimate.cycles / 4
 
 
+@vividc.kernel("void(float32[:, ::1], float32[:, ::1])")
+def refused_shapes(c, a):
+    """A nest of each kind: for equal shapes, and for others, which are the exception."""
+    if c.shape[0] == a.shape[0] and c.shape[1] == a.shape[1]:
+        for i in range(1, c.shape[0] - 1):
+            for j in range(c.shape[1]):
+                c[i, j] = a[i - 1, j] + a[i, j] + a[i + 1, j]
+    else:
+        for i in range(1, min(c.shape[0], a.shape[0]) - 1):
+            for j in range(min(c.shape[1], a.shape[1])):
+                c[i, j] = a[i - 1, j] - a[i, j] - a[i + 1, j]
+
+
+def test_a_nest_that_seldom_runs_is_left_alone() -> None:
+    tried = [one for one in plan(refused_shapes).decisions if one.kind == "restructuring"]
+    assert {one.loc.line for one in tried if one.loc and one.after is None} == {
+        line_of(refused_shapes, "for i in range(1, min")
+    }
+
+
 def is_interleaved(stage: Stage) -> bool:
     decisions = [one.decision for one in stage.lineage()]
     return any(one is not None and one.kind == "interleaving" for one in decisions)

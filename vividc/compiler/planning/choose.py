@@ -306,6 +306,9 @@ class _Chooser(Draft):
     def _restructure(self, header: str) -> None:
         """Gives the loops of a static-control part another order, and tiles for registers."""
         base = self.now
+        if self._is_rare(base, header):
+            self.note(base, Candidate("restructuring", header), None, _NO_GAIN)
+            return
         trips = expected_trips(base.state.function, base.state.hints)
         most = self._most_operations(base, "restructuring")
         found = restructured(base.state, header, self.estimator, trips, most)
@@ -324,6 +327,11 @@ class _Chooser(Draft):
         if kept:
             self.forms[header] = tuple(form for form, _ in kept)
             self.accept(kept[-1][1])
+
+    def _is_rare(self, base: Stage, header: str) -> bool:
+        """Whether a nest takes less of the cycles than it would have to save."""
+        own = base.cycles_in(header, self.estimator.fabric.controller.switch_cycles)
+        return own < _LITTLE * base.estimate.cycles < math.inf
 
     def _join(self) -> None:
         """Gives pairs of nests that go through one matrix one nest of loops."""
@@ -482,8 +490,6 @@ class _Chooser(Draft):
 
 def _pays_inside(base: Stage, header: str, estimate: Estimate) -> bool:
     """Whether a restructured nest gains of its own cycles what a kernel has to gain."""
-    inside = base.state.loop(header).blocks
-    own = sum(cost.cycles for cost in base.estimate.regions if cost.header in inside)
     saved = base.estimate.cycles - estimate.cycles
-    least = (1.0 - _GAIN["restructuring"]) * own
+    least = (1.0 - _GAIN["restructuring"]) * base.cycles_in(header)
     return saved >= max(least, _LITTLE * base.estimate.cycles)

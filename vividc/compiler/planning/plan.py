@@ -64,6 +64,12 @@ class Stage:
         if self.base is not None:
             yield from self.base.lineage()
 
+    def cycles_in(self, header: str, switch: int = 0) -> float:
+        """Estimated cycles in a nest; `switch`: what it takes to enter a region."""
+        inside = self.state.loop(header).blocks
+        own = (cost for cost in self.estimate.regions if cost.header in inside)
+        return sum(cost.cycles + cost.runs * switch for cost in own)
+
 
 @dataclass(frozen=True)
 class Plan:

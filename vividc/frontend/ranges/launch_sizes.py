@@ -108,6 +108,9 @@ class LaunchSizes:
         if op.op in _ALIASES:
             given = op.op == "sext" or "nneg" in op.flags
             return self._bound(op.operands[0], block, given, depth - 1)
+        if op.op == "xor" and op.operands[1] == Int(-1):  # -1 - x
+            less = self._negative(op.operands[0], block, depth - 1)
+            return None if less is None else (*less, -1, "+")
         if op.op == "add" and signed and "nsw" in op.flags:
             return self._all("+", op.operands, block, depth, signed=True)
         rules = {"mul": self._product, "shl": self._product, "sub": self._difference}
@@ -294,9 +297,22 @@ class LaunchSizes:
         """
         least = self._ranges.at(value, block)[0]
         op = definition_of(self._function, value)
-        if least >= 0 or not isinstance(op, Instr) or op.op != "mul" or "nsw" not in op.flags:
+        if least >= 0 or not isinstance(op, Instr):
+            return least
+        if op.op == "udiv" and self._least(op.operands[0], block) >= 0:
+            return 0
+        if op.op == "select" and self._is_unless_negative(op):
+            return min(self._least(op.operands[1], block), 0)
+        if op.op != "mul" or "nsw" not in op.flags:
             return least
         return 0 if all(self._least(arg, block) >= 0 for arg in op.operands) else least
+
+    def _is_unless_negative(self, choice: Instr) -> bool:
+        """Whether the second one of a choice is taken only where it is not negative."""
+        test = definition_of(self._function, choice.operands[0])
+        if not isinstance(test, Instr) or test.op != "icmp" or test.pred != "slt":
+            return False
+        return test.operands == (choice.operands[2], Int(0))
 
     def _all(
         self,

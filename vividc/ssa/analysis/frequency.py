@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import Final
@@ -12,7 +13,7 @@ from vividc.machine.opcodes import Opcode
 from vividc.ssa.analysis.constant_trips import constant_trips
 from vividc.ssa.analysis.counters import counter_of
 from vividc.ssa.flow import Loop, find_loops
-from vividc.ssa.ir import Block, Function, Ref
+from vividc.ssa.ir import Block, Const, Function, Input, Instr, Ref, Value, is_dimension
 
 UNKNOWN_TRIPS = 16.0
 """Iterations assumed of a loop whose count is only known when it starts."""
@@ -24,6 +25,15 @@ SHORT_TRIPS = 8.0
 """The same of a loop whose bounds are loaded from memory, like the row of a sparse matrix or the
 edges of a node.
 """
+
+EQUAL: Final = 0.995
+"""How often sizes are equal that are asked for it: no search pays for loops behind the rest, also
+where two sizes are compared and the other loops were made three times as fast (`planning.choose`).
+"""
+
+_COMPUTED: Final = frozenset({Opcode.ADD, Opcode.SUB, Opcode.MUL, Opcode.SMAX, Opcode.SMIN})
+_DEEPEST: Final = 8
+"""Operations that a size is followed through."""
 
 _MOST_EVALUATED = 64
 
@@ -69,14 +79,15 @@ def frequencies(
     """Runs of each block for one run of the function (Wagner et al. 1994).
 
     A branch that leaves a loop does so once in as many runs as its loop has iterations; other
-    branches go to a block as often as `chances` says of it, or either way equally often. Blocks are
-    all 1 if no branch ends some loop.
+    branches go to a block as often as `chances` says of it, or as sizes agree (`EQUAL`), or either
+    way equally often. Blocks are all 1 if no branch ends some loop.
     """
     index = {block.name: number for number, block in enumerate(function.blocks)}
     flow = np.eye(len(index))
     loops = find_loops(function)
+    made = {item.id: item for block in function.blocks for item in block.instrs}
     for block in function.blocks:
-        for target, probability in _edges(block, loops, trips, chances):
+        for target, probability in _edges(block, loops, trips, chances, made):
             flow[index[target], index[block.name]] -= probability
     entry = np.zeros(len(index))
     entry[0] = 1.0
@@ -92,6 +103,7 @@ def _edges(
     loops: tuple[Loop, ...],
     trips: Mapping[str, float],
     chances: Mapping[str, float],
+    made: Mapping[int, Instr],
 ) -> Iterator[tuple[str, float]]:
     targets = tuple(dict.fromkeys(block.branch.successors))
     if len(targets) == 1:
@@ -101,7 +113,10 @@ def _edges(
         if first is None and targets[1] in chances:
             first = 1.0 - chances[targets[1]]
         if first is None:
-            first = chances.get(targets[0], 0.5)
+            first = chances.get(targets[0])
+        if first is None:
+            first = _chance_of_agreement(block.branch.cond, made)
+        first = 0.5 if first is None else first
         yield targets[0], first
         yield targets[1], 1.0 - first
 
@@ -119,3 +134,48 @@ def _leaving(
             leave = 1.0 / max(runs, 1.0)
             return 1.0 - leave if stays[0] else leave
     return None
+
+
+def _chance_of_agreement(condition: Value | None, made: Mapping[int, Instr]) -> float | None:
+    """How often a condition holds that asks whether sizes are equal that only the launch knows;
+    None: it asks something else. What broadcasts, or is refused, is the exception: numba's loops
+    over whole arrays ask whether an operand has one element where the others have more, and a
+    kernel of a user's whether its arguments fit. `made`: the function's instructions, by number.
+    """
+    test = made.get(condition.id) if isinstance(condition, Ref) else None
+    if test is None:
+        return None
+    if test.op in (Opcode.AND, Opcode.OR, Opcode.SELECT):
+        return _of_several(test, made)
+    if test.op not in (Opcode.ICMP_EQ, Opcode.ICMP_NE):
+        return None
+    if not all(_is_size(operand, made, _DEEPEST) for operand in test.operands):
+        return None
+    return EQUAL if test.op is Opcode.ICMP_EQ else 1.0 - EQUAL
+
+
+def _of_several(test: Instr, made: Mapping[int, Instr]) -> float | None:
+    chances = [_chance_of_agreement(operand, made) for operand in test.operands]
+    if all(chance is None for chance in chances):
+        return None
+    known = [
+        float(operand.word) if isinstance(operand, Const) else 0.5 if chance is None else chance
+        for operand, chance in zip(test.operands, chances, strict=True)
+    ]
+    if test.op is Opcode.SELECT:
+        which, one, other = known
+        return which * one + (1.0 - which) * other
+    if test.op is Opcode.AND:
+        return math.prod(known)
+    return 1.0 - math.prod(1.0 - chance for chance in known)
+
+
+def _is_size(value: Value, made: Mapping[int, Instr], depth: int) -> bool:
+    """Whether a value is a dimension, or computed from one and constants."""
+    if is_dimension(value):
+        return True
+    op = made.get(value.id) if isinstance(value, Ref) else None
+    if op is None or op.op not in _COMPUTED or not depth:
+        return False
+    parts = [one for one in op.operands if isinstance(one, Ref | Input)]
+    return bool(parts) and all(_is_size(one, made, depth - 1) for one in parts)

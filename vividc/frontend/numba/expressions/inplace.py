@@ -1,8 +1,9 @@
 """`B += A * 2` on arrays as `B[:] = B + A * 2`, whose loops need no array between (`assign`).
 
 Only where both compute the same: sums, differences, products and quotients of floats, and what
-integers of 32 bits and more wrap alike. `B += A` stays as it is: numba adds in the order of the
-elements, also where A overlaps B.
+integers of 32 bits and more wrap alike. Only where no operand may overlap B at another place, or
+the array between would be of all operands' shape, not of A's. `B += A` stays as it is: numba adds
+in the order of the elements, also where A overlaps B.
 """
 
 from __future__ import annotations
@@ -12,6 +13,8 @@ from typing import Any, Final
 
 from numba.core import ir, types
 from numba.core.rewrites import Rewrite, register_rewrite
+
+from vividc.frontend.numba.expressions.origins import Origins, fit
 
 TARGET_NAME = "vividc"
 _FLOAT: Final = frozenset({operator.add, operator.sub, operator.mul, operator.truediv})
@@ -85,13 +88,25 @@ class ExpressionsInPlace(Rewrite):  # type: ignore[misc]
         if not isinstance(made, ir.Expr) or made.op != "inplace_binop":
             return False
         kind = self._kind(made) if isinstance(self._types[made.lhs.name], types.Array) else None
-        if kind is None or self._expression(made.rhs, at) is None:
+        first = None if kind is None else self._expression(made.rhs, at)
+        if kind is None or first is None:
+            return False
+        if not self._is_computed_there(made, self._block.body[first].value):
             return False
         mine, theirs = self._types[made.lhs.name].dtype, kind.dtype
         if isinstance(mine, types.Float | types.Complex):
             return isinstance(theirs, type(mine)) and made.immutable_fn in _FLOAT
         whole = isinstance(mine, types.Integer) and mine.bitwidth >= _WHOLE_BITS
         return whole and isinstance(theirs, types.Integer) and made.immutable_fn in _INTEGER
+
+    def _is_computed_there(self, made: Any, expression: Any) -> bool:
+        """Whether the expression needs no array between."""
+        operands, types_ = expression.list_vars(), self._types
+        if not fit((types_[var.name] for var in operands), types_[made.lhs.name].ndim):
+            return False
+        origins = Origins(self._ir, types_.__getitem__)
+        store = ir.StaticSetItem(made.lhs, slice(None), made.lhs, made.lhs, made.loc)
+        return all(origins.is_apart(operand, store) for operand in operands)
 
     def _kind(self, made: Any) -> Any:
         """The type of the expression; None if it is no array of as many dimensions."""
