@@ -306,3 +306,33 @@ def test_random_formulas_keep_their_value() -> None:
                 stack.append((random.choice(["u:n", "s:m", "s:x.shape0", 0, -2, 3]),))
         formula = stack.pop()
         assert evaluate_formula(shortened(formula), inputs) == evaluate_formula(formula, inputs)
+
+
+def chosen(x, y):
+    """Sizes of the operands along other dimensions bound nothing here."""
+    inner = x[1:, :] * x[:-1, :]
+    kept = np.where(inner > 0, 0, inner)
+    y[:-1] = kept
+
+
+def shaped(x, y, n):
+    """-1 elements stand for as many as there are."""
+    flat = np.reshape(x * np.float32(2), (n, x.size // n))
+    y[:n] = flat @ y
+
+
+def sizes_of(function: object, signature: str) -> list[Formula]:
+    lowered = KernelFunction(function, signature, None).lower()
+    return [array.size for array in lowered.locals if array.size]
+
+
+def test_sizes_are_of_their_own_dimensions() -> None:
+    sizes = sizes_of(chosen, "void(float32[:, ::1], float32[:, ::1])")
+    inputs = {"x.shape0": 5, "x.shape1": 9, "y.shape0": 5, "y.shape1": 9}
+    assert max(evaluate_formula(size, inputs) for size in sizes) == 2 * 4 * 9  # of float64
+
+
+def test_a_size_that_may_be_left_open_bounds_a_product() -> None:
+    sizes = sizes_of(shaped, "void(float32[:, ::1], float32[:, ::1], int64)")
+    inputs = {"x.shape0": 4, "x.shape1": 3, "y.shape0": 4, "y.shape1": 3, "n": 4, "n.high": 0}
+    assert 12 <= max(evaluate_formula(size, inputs) for size in sizes) <= 48

@@ -33,6 +33,8 @@ def _expand(op: Instr, tables: dict[str, Table], ids: FreshIds) -> list[Instr]:
     if op.op != "call" or not op.pred.startswith(PICK):
         return [op]
     index, *items = op.operands
+    if isinstance(index, Int) and 0 <= index.value < len(items):
+        items = [items[index.value]]
     values = [item.value for item in items if isinstance(item, Int | Float)]
     if len(items) <= _FEW or len(values) < len(items) or not _fit_words(op.type, values):
         out: list[Instr] = []

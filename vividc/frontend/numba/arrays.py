@@ -227,6 +227,54 @@ def reshape(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> Any:
 _array_reshape: Callable[..., Any] = arrayobj.array_reshape
 
 
+def transpose(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> Any:
+    """`x.transpose(axes)` without numba's arrays of shape and strides; LLVM knows most axes."""
+    source = arrayobj.make_array(sig.args[0])(context, builder, args[0])
+    given, kinds = list(args[1:]), list(sig.args[1:])
+    if isinstance(kinds[0], types.BaseTuple):
+        given, kinds = cgutils.unpack_tuple(builder, args[1]), list(kinds[0])
+    sizes = cgutils.unpack_tuple(builder, source.shape)
+    axes = [context.cast(builder, *one, types.intp) for one in zip(given, kinds, strict=True)]
+    _demand_axes(context, builder, axes, len(sizes))
+    strides = cgutils.unpack_tuple(builder, source.strides)
+    result = arrayobj.make_array(sig.return_type)(context, builder)
+    arrayobj.populate_array(
+        result,
+        data=source.data,
+        shape=[_at(builder, sizes, axis) for axis in axes],
+        strides=[_at(builder, strides, axis) for axis in axes],
+        itemsize=source.itemsize,
+        meminfo=source.meminfo,
+        parent=source.parent,
+    )
+    return result._getvalue()
+
+
+def _demand_axes(context: Any, builder: ir.IRBuilder, axes: list[Any], ndim: int) -> None:
+    """Raise what numba does unless each axis is there, once; as numba it compares them as given."""
+    for number, axis in enumerate(axes):
+        outside = builder.or_(
+            builder.icmp_signed("<", axis, _I64(-ndim)), builder.icmp_signed(">=", axis, _I64(ndim))
+        )
+        again = [builder.icmp_signed("==", axis, other) for other in axes[:number]]
+        for wrong, text in (
+            *((one, "repeated axis in transpose") for one in again),
+            (outside, "axis is out of bounds for array of given dimension"),
+        ):
+            with cgutils.if_unlikely(builder, wrong):
+                context.call_conv.return_user_exc(builder, ValueError, (text,))
+
+
+def _at(builder: ir.IRBuilder, items: list[Any], index: Any) -> Any:
+    """The item at an index that may count from the end."""
+    found = items[0]
+    for place, item in enumerate(items[1:], 1):
+        from_end = builder.icmp_signed("==", index, _I64(place - len(items)))
+        is_here = builder.or_(from_end, builder.icmp_signed("==", index, _I64(place)))
+        found = builder.select(is_here, item, found)
+    return found
+
+
 _overload: Callable[..., Callable[..., Any]] = functools.partial(overload, target="vividc")
 
 

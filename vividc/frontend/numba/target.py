@@ -38,6 +38,7 @@ from numba.core.target_extension import (
 from numba.np import arrayobj, npyimpl
 
 import vividc.frontend.numba.library.linalg
+import vividc.frontend.numba.library.solve
 import vividc.frontend.numba.library.where  # noqa: F401 - all register functions with numba
 from vividc.frontend.llvm.passes import DATA_LAYOUT
 from vividc.frontend.numba.arrays import (
@@ -47,6 +48,7 @@ from vividc.frontend.numba.arrays import (
     constant_array,
     pick,
     reshape,
+    transpose,
 )
 from vividc.frontend.numba.division import division
 from vividc.frontend.numba.expressions.assign import assigned_in_place
@@ -257,6 +259,9 @@ def _our_rule(fn: Any, operation: Any, sig: Any) -> Any:
         return pick
     if "array.reshape" in (fn, operation) and isinstance(sig.args[-1], types.BaseTuple):
         return reshape
+    if "array.transpose" in (fn, operation) and getattr(sig.return_type, "ndim", 0) > 1:
+        given = [one for one in sig.args if not isinstance(one, types.NoneType | types.Array)]
+        return transpose if given else None
     if operation in _POWERS and isinstance(sig.args[0], types.Complex):
         return complex_power
     return sort if is_sort(operation, sig) else None

@@ -32,7 +32,7 @@ _ALIASES = frozenset({"zext", "sext", "trunc", "freeze", "udiv", "lshr"})
 _FEW = 1 << 10
 """A constant bound is taken where there is no other up to here."""
 _DEPTH = 64
-_LONGEST = 200
+_LONGEST = 400
 _SHORT = 24
 """A formula of more items is made shorter: one for the shape of a broadcast has each of its arrays.
 """
@@ -312,7 +312,11 @@ class LaunchSizes:
         test = definition_of(self._function, choice.operands[0])
         if not isinstance(test, Instr) or test.op != "icmp" or test.pred != "slt":
             return False
-        return test.operands == (choice.operands[2], Int(0))
+        second = choice.operands[2]
+        wide = definition_of(self._function, second)
+        if isinstance(wide, Instr) and wide.op == "sext" and wide.operands == test.operands[:1]:
+            second = test.operands[0]
+        return test.operands == (second, Int(0))
 
     def _all(
         self,

@@ -20,7 +20,7 @@ from numba.np.numpy_support import as_dtype
 
 _TARGET = "vividc" if importlib.util.find_spec("scipy") is not None else "cpu"
 _Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
-_overload: Callable[..., _Decorator] = functools.partial(overload, target=_TARGET)
+overload_without_scipy: Callable[..., _Decorator] = functools.partial(overload, target=_TARGET)
 _overload_here: Callable[..., _Decorator] = functools.partial(overload, target="vividc")
 _SIZES = "incompatible array sizes for a product"
 
@@ -82,17 +82,17 @@ def _matrices(a: Any, b: Any) -> Any:
     return out
 
 
-@_overload(np.dot)
+@overload_without_scipy(np.dot)
 def _overload_dot(a: Any, b: Any) -> Any:
     return _product(a, b)
 
 
-@_overload(operator.matmul)
+@overload_without_scipy(operator.matmul)
 def _overload_matmul(a: Any, b: Any) -> Any:
     return _product(a, b)
 
 
-@_overload(np.vdot)
+@overload_without_scipy(np.vdot)
 def _overload_vdot(a: Any, b: Any) -> Any:
     both = isinstance(a, types.Array) and isinstance(b, types.Array) and a.ndim == b.ndim == 1
     if both and isinstance(a.dtype, types.Complex):
@@ -104,7 +104,7 @@ def _conjugate_inner(a: Any, b: Any) -> Any:
     return np.dot(np.conj(a), b)
 
 
-@_overload(np.dot)
+@overload_without_scipy(np.dot)
 def _overload_dot_into(a: Any, b: Any, out: Any) -> Any:
     product = _product(a, b)
     if product is None or not isinstance(out, types.Array) or out.dtype != a.dtype:

@@ -75,13 +75,9 @@ def _along(x: Any, index: Any, dimension: Any) -> Any:
 
 @_helper
 def _common(a: Any, b: Any) -> Any:
-    if b == 1:
-        return a
-    if a == 1:
-        return b
-    if a == b:
-        return a
-    raise ValueError("unable to broadcast the operands of np.where")
+    if a not in (1, b) and b != 1:
+        raise ValueError("unable to broadcast the operands of np.where")
+    return b if a == 1 else a
 
 
 @_helper

@@ -1,0 +1,83 @@
+"""Factors, inverses and solutions of small systems are numpy's but for rounding, and what has none
+raises as in numba; axes are permuted as numpy permutes them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import vividc
+from vividc.errors import VividcError
+from vividc.ssa.interpret import interpret
+
+SIDE = 5
+
+
+def factor(a, b):
+    b[:] = np.linalg.cholesky(a)
+
+
+def inverse(a, b):
+    b[:] = np.linalg.inv(a)
+
+
+def solutions(a, b):
+    b[:] = np.linalg.solve(a, b) + np.linalg.solve(a, b[0])
+
+
+def permuted(a, b):
+    b[:] = np.transpose(a, axes=(1, 0, 2)) - a.transpose((-2, 0, -1)).copy() * a.transpose(1, 0, 2)
+
+
+def interpreted(function: Callable[..., object], dtype: str, *args: np.ndarray) -> None:
+    dims = ", ".join([":"] * (args[0].ndim - 1) + ["::1"])
+    kernel = vividc.kernel(f"({dtype}[{dims}], {dtype}[{dims}])")(function)
+    interpret(kernel.lower(), *args)
+
+
+def system(dtype: str) -> np.ndarray:
+    """A matrix that is positive definite, and complex if the type is."""
+    drawn = np.random.default_rng(0).random((2, SIDE, SIDE)) @ np.eye(SIDE)
+    values = drawn[0] + (1j * drawn[1] if dtype == "complex64" else 0)
+    return (values @ values.conj().T + np.eye(SIDE)).astype(dtype)
+
+
+@pytest.mark.parametrize(
+    ("function", "dtype"),
+    [
+        (factor, "float32"),
+        (inverse, "float32"),
+        (inverse, "complex64"),
+        (solutions, "float32"),
+    ],
+)
+def test_systems_have_numpys_solutions(function: Callable[..., object], dtype: str) -> None:
+    a, b = system(dtype), system(dtype)[::-1].copy()
+    numpys = b.copy()
+    function(a, numpys)
+    interpreted(function, dtype, a.copy(), b)
+    np.testing.assert_allclose(b, numpys, rtol=1e-4, atol=1e-5)
+
+
+def test_the_largest_pivot_of_a_column_is_taken() -> None:
+    a = np.array([[0, 1], [1, 0]], np.float32)
+    b = np.empty_like(a)
+    interpreted(inverse, "float32", a, b)
+    np.testing.assert_array_equal(b, [[0, 1], [1, 0]])
+
+
+@pytest.mark.parametrize("function", [factor, inverse])
+def test_what_has_none_raises(function: Callable[..., object]) -> None:
+    with pytest.raises(VividcError, match="LinAlgError: Matrix is"):
+        interpreted(function, "float32", *np.zeros((2, SIDE, SIDE), np.float32))
+
+
+def test_axes_are_permuted() -> None:
+    a = np.arange(24, dtype=np.float32).reshape(2, 3, 4)
+    b, numpys = np.zeros((2, 3, 2, 4), np.float32)
+    permuted(a, numpys)
+    interpreted(permuted, "float32", a, b)
+    np.testing.assert_array_equal(b, numpys)
