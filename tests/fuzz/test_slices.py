@@ -30,5 +30,6 @@ def test_more_random_slices_are_numbas(hundred: int, tmp_path: Path) -> None:
 def test_a_wrong_bound_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(Numbers, "smaller", lambda self, one, other: other)
     search = Search(tmp_path)
-    search.run(2)
-    assert search.finds
+    seeds = iter(range(12))
+    while not search.finds:
+        search.run(next(seeds))
