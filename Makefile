@@ -7,7 +7,7 @@ STAMP := $(VENV)/.installed
 # The tests start many interpreters: without bytecode each compiles every module again.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: setup demo room test test-all lint types layers docs docs-links bench c-kernels lock clean
+.PHONY: setup demo room test test-long test-all lint types layers docs docs-links bench c-kernels lock clean
 .DELETE_ON_ERROR:
 
 setup: $(STAMP)
@@ -33,7 +33,11 @@ room:
 	  (cd tests && find . -mindepth 2 -name 'test_*.py') | sed 's|^\./||; s|/[^/]*$$||' | sort -u | xargs >&2; exit 1; }
 
 test: room setup
-	$(PYTEST) -m "not slow" $(TESTS)
+	$(PYTEST) -m "not slow and not long" $(TESTS)
+
+# Tests that take more than a second: two in a hundred, and two fifths of the time of all.
+test-long: setup
+	$(PYTEST) -m long $(shell cut -d: -f1 tests/long.txt | uniq)
 
 test-all: room setup
 	$(PYTEST) $(TESTS)

@@ -23,6 +23,17 @@ settings.register_profile(
 )
 settings.load_profile("tests")
 
+LONG = Path(__file__).with_name("long.txt")
+"""The tests that take more than a second, by their ids."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Marks those that are `long`."""
+    known = frozenset(LONG.read_text(encoding="utf-8").splitlines())
+    for item in items:
+        if item.nodeid in known:
+            item.add_marker(pytest.mark.long)
+
 
 def pytest_collection_finish(session: pytest.Session) -> None:
     """What is here stays to the end of the run: garbage is looked for among what tests make, and

@@ -115,6 +115,16 @@ def test_every_door_of_the_walks_exists() -> None:
         resolve_name(door)
 
 
+def test_each_long_test_exists() -> None:
+    """Another name would bring it back to `make test` unnoticed."""
+    ids = (ROOT / "tests" / "long.txt").read_text(encoding="utf-8").splitlines()
+    assert ids == sorted(set(ids))
+    for test in ids:
+        file, _, name = test.partition("::")
+        text = (ROOT / file).read_text(encoding="utf-8")
+        assert f"def {name.partition('[')[0]}(" in text, test
+
+
 def test_make_test_names_the_rooms_that_it_can_run() -> None:
     """`make test ROOM=...` begins with `make room ROOM=...`."""
     for room, status in (("ssa/rewrite", 0), ("ssa/nothing", 2)):
