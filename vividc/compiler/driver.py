@@ -24,11 +24,10 @@ from vividc.compiler.map_regions import (
     mapping_of,
 )
 from vividc.compiler.nests import with_nests
-from vividc.compiler.planning.budget import Budget
 from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.estimate import Estimator, Shape, Spaces
 from vividc.compiler.planning.explain import loop_reports
-from vividc.compiler.planning.fallback import Outcome, Race, settle
+from vividc.compiler.planning.fallback import Budget, Outcome, Race, settle
 from vividc.compiler.planning.options import FlatLoopOptions, LoopOptions, loop_options
 from vividc.compiler.planning.plan import Plan, Stage
 from vividc.compiler.planning.price import priced

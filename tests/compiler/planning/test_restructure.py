@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from numba import float32
 
 import vividc
 from tests.ssa.polyhedral.nests import SIDE, random_nest
@@ -13,8 +14,8 @@ from tests.ssa.polyhedral.test_generate import demand_same
 from vividc import arch
 from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.estimate import Estimator
+from vividc.compiler.planning.factors import halfway
 from vividc.compiler.planning.options import LoopOptions
-from vividc.compiler.planning.restructure import halfway
 from vividc.dfg.pipeline import PassOptions
 from vividc.machine.opcodes import Opcode
 from vividc.ssa.flow import find_loops, pipelined_loops
@@ -70,6 +71,30 @@ def test_groups_share_elements_at_their_ends_though_what_they_lack_is_masked() -
     for loop in pipelined_loops(made):
         inside = [i.op for b in made.blocks if b.name in loop.blocks for i in b.instrs]
         assert inside.count(Opcode.LOAD) == inside.count(Opcode.STORE)
+
+
+@vividc.kernel("void(float32[:, ::1], float32[::1], float32[:, ::1])")
+def filtered(a, taps, b):
+    for y in range(b.shape[0]):
+        for x in range(b.shape[1]):
+            total = float32(0.0)
+            for t in range(taps.shape[0]):
+                total += a[y, x + t] * taps[t]
+            b[y, x] = total
+
+
+def test_one_loop_of_a_tile_is_masked_where_elements_along_the_other_are_carried() -> None:
+    """Rows that do not fill a tile take one more, and not a loop each; of the columns next to each
+    other, whose loads in common could not be carried under masks of theirs, one loads.
+    """
+    made = restructured(tidy(filtered.lower()))[-1]
+    full, rest = (
+        [i.op for b in made.blocks if b.name in loop.blocks for i in b.instrs]
+        for loop in pipelined_loops(made)
+    )
+    rows = full.count(Opcode.LOAD) - 1  # and a tap
+    assert full.count(Opcode.FMUL) >= 4 * rows >= 16
+    assert rest.count(Opcode.FMUL) == rows == rest.count(Opcode.LOAD) - 1
 
 
 @vividc.kernel("void(int32[::1], int32[:, ::1], int32)")

@@ -9,9 +9,22 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
-from itertools import product
 
 from vividc.compiler.planning.estimate import Apart, Estimate, Estimator, Room
+from vividc.compiler.planning.factors import (
+    FACTORS,
+    FIRST,
+    LARGER,
+    OF_SKEWED,
+    OF_WAITING,
+    PAYS,
+    SMALLER,
+    chosen,
+    covers,
+    filling,
+    halfway,
+    of_group,
+)
 from vividc.compiler.planning.parts import expected_lengths, static_part, with_loops, written_orders
 from vividc.compiler.planning.state import State
 from vividc.host import time_limit
@@ -26,6 +39,7 @@ from vividc.ssa.polyhedral.orders.search import (
     has_masks,
     has_skews,
     is_legal,
+    loops_in,
     orders,
     together,
     with_factors,
@@ -36,34 +50,6 @@ from vividc.ssa.polyhedral.scop import Scop
 from vividc.ssa.polyhedral.trees import Loop, tree_of
 from vividc.ssa.rewrite.refusal import Refusal
 
-_FACTORS = ((4, 4), (4,))
-_OF_SKEWED = (2, 4)
-_LARGER_FACTORS = {
-    (2, 4): ((2, 6), (2, 8), (4, 4)),
-    (4, 4): ((5, 5), (8, 4), (4, 8)),
-    (1, 4): ((1, 8),),
-    (4, 1): ((8, 1),),
-    (4,): ((8,),),
-    (8,): ((16,),),
-}
-_FACTORS_OF_WAITING: Mapping[tuple[int, ...], tuple[tuple[int, ...], ...]] = {
-    (8, 1): ((12, 1),),
-    (1, 8): ((1, 12),),
-}
-"""Where a recurrence leaves half of the slots of the hottest loop (deriche: 8 rows with an II of 8
-are 56 operations).
-"""
-
-_SMALLER_FACTORS = {(4, 4): ((1, 4), (4, 1), (2, 2)), (4,): ((2,),)}
-_PAYS = 2.0
-"""Factors that are tried of a loop and one inside it (or in a tree with skews, where what all
-iterations of a group run together is short), and of one loop; then larger ones of those
-that are faster than none, and smaller ones of those that are not so many times as fast. A PE array
-of 4x4 has no use for more than some 32 accumulators (gemm 20 to 30 wide: 5 by 5 is best). Other
-orders of the source's loops are not looked at where one with a sum's loop outermost is so many
-times as fast as the source's own.
-"""
-
 _NEAR = 1.1
 _MOST_NEAR = 2
 _BETTER = 0.99
@@ -73,13 +59,9 @@ what it takes by columns, and at its best 0.8 times. Another order is taken if i
 at an estimate of 0.993 symm takes 1.04 times its cycles, seidel-2d 0.93 times at one of 0.983.
 """
 
-_LARGEST = 16
-_MOST_TOGETHER = 50
-"""Of factors that fill loops of known lengths, which leave no rest: each, and their product.
+_MASKED = 0.97
+"""Another mask is: predicates leave a mapper less room (at 0.988 heat-3d takes 1.04 times).
 """
-
-_MOST_FILLING = 5
-"""So many of those are tried: the ones with the largest products."""
 
 _MOST_TRIES = 40
 """Trees of one part; each takes 0.1 to 1 s."""
@@ -106,11 +88,6 @@ _STRAIGHT = (40, 60)
 ones may need more registers than there are (939 for 25 divisions at the end of a tile of
 covariance), or more constants than the stores of PEs hold (16 rows of a layer norm, whose divisions
 and roots have 1,779; 8 rows are mapped).
-"""
-
-_FIRST = (((4, 4), 8), ((1, 8), 4), ((2, 2), 2))
-"""What orders are compared by: the first of these whose code fits into the contexts, of two loops
-and of one.
 """
 
 
@@ -153,7 +130,7 @@ def restructured(
         for order, part in enumerate(written_orders(scop))
     )
     least = min(map(_Climb.least, others), default=math.inf)
-    tried = others if least * _PAYS < own.as_written() else [own, *others]
+    tried = others if least * PAYS < own.as_written() else [own, *others]
     best = min(tried, key=_Climb.least)
     made = best.climb()
     made += [one for climb in (own, *others) if climb is not best for one in climb.made]
@@ -214,33 +191,6 @@ def _most_likely(made: list[Restructured], straight: int, estimator: Estimator) 
     return 0
 
 
-def _filling(lengths: list[int | None]) -> list[tuple[int, ...]]:
-    """Factors that divide lengths, if all of these are known."""
-    known = [length for length in lengths if length is not None]
-    if len(known) < len(lengths):
-        return []
-    dividing = ([f for f in range(1, _LARGEST + 1) if n % f == 0] for n in known)
-    found = [one for one in product(*dividing) if 1 < math.prod(one) <= _MOST_TOGETHER]
-    return sorted(found, key=lambda one: (-math.prod(one), max(one)))[:_MOST_FILLING]
-
-
-def halfway(cycles: Mapping[tuple[int, ...], float]) -> list[tuple[int, ...]]:
-    """The factor of a loop half-way from the best one to the next larger one, if that is not
-    possible: five rows may be where eight are not.
-
-    Parameters
-    ----------
-    cycles
-        Of the factors that were tried; infinite: it is not possible.
-    """
-    best = min(cycles, key=lambda one: cycles[one])
-    failed = [one for one, taken in cycles.items() if taken == math.inf]
-    above = min((one for one in failed if one > best), default=best)
-    between = tuple((low + high) // 2 for low, high in zip(best, above, strict=True))
-    is_tried = between in cycles or any(_covers(between, less) for less in failed)
-    return [] if len(best) > 1 or is_tried else [between]
-
-
 @dataclass
 class _Climb:
     state: State
@@ -292,6 +242,7 @@ class _Climb:
         made: list[Restructured] = []
         for _, order, jammed in self.starts:
             reduce(self._jammed, jammed, order)
+            self._mask_otherwise()
             least = min((one.cycles for one in made), default=math.inf)
             if any(one.cycles < _BETTER * least for one in self.made):
                 made = self.made
@@ -310,6 +261,20 @@ class _Climb:
         yield tree, jammed
         yield from groups_with_rows(order, self.relations)
 
+    def _mask_otherwise(self) -> None:
+        """Masks one loop after the other of the best form, if it is not masked, or no longer, where
+        that is better: what columns next to each other load is carried if rows alone are masked.
+        """
+        best = min(self.made, key=lambda one: one.cycles, default=None)
+        for path, loop in loops_in(best.tree) if best and not has_skews(best.tree) else ():
+            assert best is not None
+            tree = self._with(best.tree, {path: loop.factor}, not loop.masked)
+            if loop.factor == 1 or describe(tree) in self._tried:
+                continue
+            made = self._made(tree) if is_legal(tree, self.relations) else None
+            if made is not None and made.cycles < _MASKED * best.cycles:
+                best = self._tried[describe(tree)] = made
+
     def _with_loads(self, best: Restructured) -> Iterator[Restructured]:
         """A form with loads of what iterations could carry, if that is better: what they carry is
         loaded before the loop.
@@ -320,13 +285,13 @@ class _Climb:
 
     def _first(self, tree: Loop, jammed: list[tuple[Path, ...]]) -> float:
         """Cycles with the first factors whose code fits into the contexts."""
-        for pair, single in _FIRST[self._smaller :]:
-            first = _OF_SKEWED if has_skews(tree) else pair
-            given = dict(_chosen(jammed, first, single))
+        for pair, single in FIRST[self._smaller :]:
+            first = OF_SKEWED if has_skews(tree) else pair
+            given = dict(chosen(jammed, first, single))
             cycles = self._cycles(self._with(tree, given, self._is_better_masked(tree, given)))
             if cycles < math.inf:
                 return cycles
-            self._smaller = min(self._smaller + 1, len(_FIRST) - 1)
+            self._smaller = min(self._smaller + 1, len(FIRST) - 1)
         return math.inf
 
     def _is_better_masked(self, tree: Loop, given: Mapping[Path, int]) -> bool:
@@ -370,35 +335,35 @@ class _Climb:
         """The tree with the best factors of a group of its loops, or none."""
         plain = self._cycles(tree)
         is_tile = has_skews(tree) and len(group) > 1
-        first = _OF_SKEWED if is_tile else _FACTORS[len(group) == 1]
-        masked = self._is_better_masked(tree, _of(group, first))
+        first = OF_SKEWED if is_tile else FACTORS[len(group) == 1]
+        masked = self._is_better_masked(tree, of_group(group, first))
         found: dict[tuple[int, ...], Loop] = {}
         failed: list[tuple[int, ...]] = []
-        work = [*_filling([self._length(at(tree, path)) for path in group]), first]
+        work = [*filling([self._length(at(tree, path)) for path in group]), first]
         while work or (work := halfway({one: self._cycles(found[one]) for one in found})):
             factors = work.pop(0)
-            if factors in found or any(_covers(factors, less) for less in failed):
+            if factors in found or any(covers(factors, less) for less in failed):
                 continue  # more are no smaller
-            found[factors] = self._with(tree, _of(group, factors), masked)
+            found[factors] = self._with(tree, of_group(group, factors), masked)
             cycles = self._cycles(found[factors])
             if cycles == math.inf:
                 failed.append(factors)
             if cycles < plain:
-                work += _LARGER_FACTORS.get(factors, ())
+                work += LARGER.get(factors, ())
                 if self._waits(found[factors]):
-                    work += _FACTORS_OF_WAITING.get(factors, ())
-            if cycles * _PAYS > plain and not is_tile:
-                work += _SMALLER_FACTORS.get(factors, ())
+                    work += OF_WAITING.get(factors, ())
+            if cycles * PAYS > plain and not is_tile:
+                work += SMALLER.get(factors, ())
             if (
                 failed
                 and not work
                 and first == min(found, key=lambda one: self._cycles(found[one]))
             ):
-                work += _SMALLER_FACTORS.get(first, ())  # larger ones of one loop may fit yet
+                work += SMALLER.get(first, ())  # larger ones of one loop may fit yet
         trees = [tree, *found.values()]
         if not has_skews(tree):
             best = min(found, key=lambda one: self._cycles(found[one]))
-            trees.append(self._with(tree, _of(group, best), not masked))
+            trees.append(self._with(tree, of_group(group, best), not masked))
         made = [one for one in map(self._try, trees) if one is not None]
         return _surest(made, self.estimator).tree if made else tree
 
@@ -473,22 +438,3 @@ class _Climb:
             for loop in fors_in(loops.code)
             if not any(fors_in(loop.body))
         )
-
-
-def _chosen(
-    jammed: list[tuple[Path, ...]], pair: tuple[int, int], single: int
-) -> Iterator[tuple[Path, int]]:
-    """Factors of loops that are jammed two at a time, and one."""
-    for group in jammed:
-        factors = pair if len(group) > 1 else (single,)
-        yield from ((path, f) for path, f in zip(group, factors, strict=True) if f > 1)
-
-
-def _of(group: tuple[Path, ...], factors: tuple[int, ...]) -> dict[Path, int]:
-    """The factors of a group's loops that are not 1."""
-    return {path: f for path, f in zip(group, factors, strict=True) if f > 1}
-
-
-def _covers(factors: tuple[int, ...], less: tuple[int, ...]) -> bool:
-    """Whether none of the factors is smaller than its counterpart."""
-    return all(f >= g for f, g in zip(factors, less, strict=True))

@@ -1,0 +1,96 @@
+"""Factors: how many iterations of a loop, or of a loop and one inside it, run together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from itertools import product
+
+from vividc.ssa.polyhedral.orders.search import Path
+
+FACTORS = ((4, 4), (4,))
+OF_SKEWED = (2, 4)
+LARGER = {
+    (2, 4): ((2, 6), (2, 8), (4, 4)),
+    (4, 4): ((5, 5), (8, 4), (4, 8)),
+    (1, 4): ((1, 8),),
+    (4, 1): ((8, 1),),
+    (4,): ((8,),),
+    (8,): ((16,),),
+}
+OF_WAITING: Mapping[tuple[int, ...], tuple[tuple[int, ...], ...]] = {
+    (8, 1): ((12, 1),),
+    (1, 8): ((1, 12),),
+}
+"""Where a recurrence leaves half of the slots of the hottest loop (deriche: 8 rows with an II of 8
+are 56 operations).
+"""
+
+SMALLER = {(4, 4): ((1, 4), (4, 1), (2, 2)), (4,): ((2,),)}
+PAYS = 2.0
+"""Factors that are tried of a loop and one inside it (or in a tree with skews, where what all
+iterations of a group run together is short), and of one loop; then larger ones of those
+that are faster than none, and smaller ones of those that are not so many times as fast. A PE array
+of 4x4 has no use for more than some 32 accumulators (gemm 20 to 30 wide: 5 by 5 is best). Other
+orders of the source's loops are not looked at where one with a sum's loop outermost is so many
+times as fast as the source's own.
+"""
+
+_LARGEST = 16
+_MOST_TOGETHER = 50
+"""Of factors that fill loops of known lengths, which leave no rest: each, and their product.
+"""
+
+_MOST_FILLING = 5
+"""So many of those are tried: the ones with the largest products."""
+
+FIRST = (((4, 4), 8), ((1, 8), 4), ((2, 2), 2))
+"""What orders are compared by: the first of these whose code fits into the contexts, of two loops
+and of one.
+"""
+
+
+def filling(lengths: list[int | None]) -> list[tuple[int, ...]]:
+    """Factors that divide lengths, if all of these are known."""
+    known = [length for length in lengths if length is not None]
+    if len(known) < len(lengths):
+        return []
+    dividing = ([f for f in range(1, _LARGEST + 1) if n % f == 0] for n in known)
+    found = [one for one in product(*dividing) if 1 < math.prod(one) <= _MOST_TOGETHER]
+    return sorted(found, key=lambda one: (-math.prod(one), max(one)))[:_MOST_FILLING]
+
+
+def halfway(cycles: Mapping[tuple[int, ...], float]) -> list[tuple[int, ...]]:
+    """The factor of a loop half-way from the best one to the next larger one, if that is not
+    possible: five rows may be where eight are not.
+
+    Parameters
+    ----------
+    cycles
+        Of the factors that were tried; infinite: it is not possible.
+    """
+    best = min(cycles, key=lambda one: cycles[one])
+    failed = [one for one, taken in cycles.items() if taken == math.inf]
+    above = min((one for one in failed if one > best), default=best)
+    between = tuple((low + high) // 2 for low, high in zip(best, above, strict=True))
+    is_tried = between in cycles or any(covers(between, less) for less in failed)
+    return [] if len(best) > 1 or is_tried else [between]
+
+
+def chosen(
+    jammed: list[tuple[Path, ...]], pair: tuple[int, int], single: int
+) -> Iterator[tuple[Path, int]]:
+    """Factors of loops that are jammed two at a time, and one."""
+    for group in jammed:
+        factors = pair if len(group) > 1 else (single,)
+        yield from ((path, f) for path, f in zip(group, factors, strict=True) if f > 1)
+
+
+def of_group(group: tuple[Path, ...], factors: tuple[int, ...]) -> dict[Path, int]:
+    """The factors of a group's loops that are not 1."""
+    return {path: f for path, f in zip(group, factors, strict=True) if f > 1}
+
+
+def covers(factors: tuple[int, ...], less: tuple[int, ...]) -> bool:
+    """Whether none of the factors is smaller than its counterpart."""
+    return all(f >= g for f, g in zip(factors, less, strict=True))
