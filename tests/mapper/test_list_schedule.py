@@ -317,6 +317,23 @@ def test_a_pass_ends_once_it_cannot_be_shorter() -> None:
     assert greedy_pass(problem).run(length.ii) is None
 
 
+@pytest.mark.parametrize(("cycles", "is_enough"), [(250, True), (252, True), (253, False)])
+def test_a_schedule_within_a_hundredth_of_a_long_bound_is_enough(
+    monkeypatch: pytest.MonkeyPatch, cycles: int, is_enough: bool
+) -> None:
+    trials = []
+
+    def run(_: Schedule, below: float) -> Mapping:
+        trials.append(below)
+        return Mapping(cycles, {}, {})
+
+    monkeypatch.setattr(Schedule, "run", run)
+    problem = MapProblem(chain(250), load("vivid-tile"))
+    assert straight_lower_bound(problem).ii == 250
+    assert list_schedule(problem).ii == cycles
+    assert (len(trials) == 1) == is_enough
+
+
 def test_a_place_that_cannot_be_better_is_not_tried(monkeypatch: pytest.MonkeyPatch) -> None:
     """All PEs are as good in time; the least that routes and constants take tells them apart."""
     tried: list[int] = []
