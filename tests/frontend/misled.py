@@ -47,10 +47,10 @@ def unique(x, n):
     x[0] = found[n]
 
 
-@mistake(r"`np\.swapaxes` cannot run", "exchanged")
-def swapaxes(x, n):
+@mistake(r"`np\.moveaxis` cannot run", "exchanged")
+def moveaxis(x, n):
     y = x.reshape((2, 4))
-    x[0] = np.swapaxes(y, 0, 1)[n, 0]  # here
+    x[0] = np.moveaxis(y, 0, 1)[n, 0]  # here
 
 
 @mistake(r"`np\.isin` cannot run", "loop")

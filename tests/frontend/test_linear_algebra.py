@@ -81,3 +81,17 @@ def test_axes_are_permuted() -> None:
     permuted(a, numpys)
     interpreted(permuted, "float32", a, b)
     np.testing.assert_array_equal(b, numpys)
+
+
+def largest(a, b):
+    square = a.reshape((5, 5))
+    b[0] = np.argmax(square, axis=1)
+    b[1] = np.argmin(square, axis=0)
+
+
+def test_places_along_an_axis_are_numpys() -> None:
+    a = np.random.default_rng(1).permutation(SIDE * SIDE).reshape(SIDE, SIDE).astype(np.int32)
+    b, numpys = np.zeros((2, SIDE, SIDE), np.int32)
+    largest(a, numpys)
+    interpreted(largest, "int32", a, b)
+    np.testing.assert_array_equal(b, numpys)

@@ -2,5 +2,5 @@
 
 In order: `lines`, `time`; what numba's target does otherwise: `raises`, `integer`, `division`,
 `library/` (functions written once), `subscripts`, `expressions/` (on whole arrays), `arrays`,
-`lists`, `prange`; `target`; `returned`; `entry`.
+`lists`, `prange`, `vectorized` (functions of numba's); `target`; `returned`; `entry`.
 """

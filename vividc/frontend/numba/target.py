@@ -36,6 +36,7 @@ from numba.core.target_extension import (
     target_registry,
 )
 from numba.np import arrayobj, npyimpl
+from numba.np.ufunc.dufunc import DUFunc
 
 import vividc.frontend.numba.library.linalg
 import vividc.frontend.numba.library.solve
@@ -64,6 +65,7 @@ from vividc.frontend.numba.prange import parallel_range
 from vividc.frontend.numba.raises import NUMPY, CallConv, model_of
 from vividc.frontend.numba.subscripts import marked_subscripts
 from vividc.frontend.numba.time import TimedTyping, ask, in_time
+from vividc.frontend.numba.vectorized import call_on_numbers, vectorized_type
 
 
 class Callee:
@@ -174,6 +176,8 @@ class _TypingContext(TimedTyping):
         elif isinstance(val, Dispatcher) and not isinstance(val, _Dispatcher):
             fixed = () if val._can_compile else tuple(val.nopython_signatures)
             val = _own_dispatcher(val, val.py_func, fixed, val.locals)
+        elif isinstance(val, DUFunc):
+            return vectorized_type(val)
         return super().resolve_value_type(val)
 
 
@@ -262,6 +266,8 @@ def _our_rule(fn: Any, operation: Any, sig: Any) -> Any:
     if "array.transpose" in (fn, operation) and getattr(sig.return_type, "ndim", 0) > 1:
         given = [one for one in sig.args if not isinstance(one, types.NoneType | types.Array)]
         return transpose if given else None
+    if isinstance(operation, DUFunc) and isinstance(sig.return_type, types.Number | types.Boolean):
+        return functools.partial(call_on_numbers, function=operation)
     if operation in _POWERS and isinstance(sig.args[0], types.Complex):
         return complex_power
     return sort if is_sort(operation, sig) else None
