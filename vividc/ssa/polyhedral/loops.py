@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from itertools import product
 from typing import Final
 
 import islpy as isl
@@ -13,7 +12,7 @@ import islpy as isl
 from vividc.ssa.polyhedral.forms import ZERO, Form, symbol
 from vividc.ssa.polyhedral.orders.search import describe
 from vividc.ssa.polyhedral.relations import Relations
-from vividc.ssa.polyhedral.schedule import grouped_schedule_of
+from vividc.ssa.polyhedral.schedule import Along, Group, grouped_schedule_of
 from vividc.ssa.polyhedral.trees import Loop
 from vividc.ssa.polyhedral.values import bounded, integer
 from vividc.ssa.rewrite.refusal import Refusal
@@ -202,7 +201,7 @@ def _rounded(quotient: Quotient) -> str:
 
 
 class _Reader:
-    def __init__(self, marks: Mapping[str, tuple[int, ...]]) -> None:
+    def __init__(self, marks: Mapping[str, Group]) -> None:
         self.marks = marks
         self.count = 0
         self.quotients: dict[str, Quotient] = {}
@@ -221,9 +220,9 @@ class _Reader:
             arguments = (self.form(call.get_op_arg(n), names) for n in range(1, count))
             yield Run(call.get_op_arg(0).get_id().get_name(), tuple(arguments))
         elif kind == "mark":
-            factors = self.marks[node.mark_get_id().get_name()]
-            for run in self.code(node.mark_get_node(), names):
-                yield from _group_of(run, factors)
+            group = self.marks[node.mark_get_id().get_name()]
+            for first in self.code(node.mark_get_node(), names):
+                yield from self._group_of(first, group)
         elif kind == "if":
             yield from self._if(node, names)
         elif kind == "for":
@@ -231,9 +230,49 @@ class _Reader:
         else:
             raise _Odd(f"isl's tree has a node of type {kind}")
 
-    def _if(self, node: isl.AstNode, names: dict[str, Form]) -> Iterator[Code]:
-        name = f"b{self.count}"
+    def _group_of(self, code: Code, group: Group) -> Iterator[Code]:
+        """The iterations of a group, from its first."""
+        if isinstance(code, If):
+            then, otherwise = (
+                tuple(run for one in side for run in self._group_of(one, group))
+                for side in (code.then, code.otherwise)
+            )
+            yield replace(code, then=then, otherwise=otherwise)
+            return
+        if not isinstance(code, Run):
+            raise _Odd("iterations of a group are in a loop")
+        at = dict(zip(group.coordinates, code.coordinates, strict=True))
+        yield from self._beside(code, group.along, at)
+
+    def _beside(
+        self, run: Run, along: tuple[Along, ...], at: Mapping[str, Form]
+    ) -> Iterator[Code]:
+        """The iterations of a group beside one; what is below a limit is in what was before it."""
+        if not along:
+            yield run
+            return
+        first, *inner = along
+        yield from self._beside(run, tuple(inner), at)
+        if first.factor == 1:
+            return
+        moved = list(run.coordinates)
+        moved[first.coordinate] = moved[first.coordinate].plus(Form((), 1))
+        more = (replace(first, factor=first.factor - 1), *inner)
+        following = self._beside(Run(run.statement, tuple(moved)), more, at)
+        if first.limit is None:
+            yield from following
+            return
+        left = first.limit.substituted(at).plus(moved[first.coordinate], -1)
+        name = self._branch()
+        yield If(Test(">=", left.plus(Form((), -1))), tuple(following), name=name)
+
+    def _branch(self) -> str:
+        """The name of the next branch."""
         self.count += 1
+        return f"b{self.count - 1}"
+
+    def _if(self, node: isl.AstNode, names: dict[str, Form]) -> Iterator[Code]:
+        name = self._branch()
         test = self.test(node.if_get_cond(), names)
         then = tuple(self.code(node.if_get_then_node(), names))
         has_else = node.if_has_else_node()
@@ -314,22 +353,6 @@ class _Reader:
             self.quotients[self._known[made]] = made
         shift = 0 if made.remainder else -more
         return symbol(self._known[made]).plus(Form((), shift))
-
-
-def _group_of(code: Code, factors: tuple[int, ...]) -> Iterator[Code]:
-    """The iterations of a group, from its first."""
-    if isinstance(code, If):
-        then, otherwise = (
-            tuple(run for one in side for run in _group_of(one, factors))
-            for side in (code.then, code.otherwise)
-        )
-        yield If(code.test, then, otherwise)
-        return
-    if not isinstance(code, Run):
-        raise _Odd("iterations of a group are in a loop")
-    for ahead in product(*map(range, factors)):
-        moved = zip(code.coordinates, ahead, strict=True)
-        yield Run(code.statement, tuple(form.plus(Form((), n)) for form, n in moved))
 
 
 def _name(kind: object) -> str:

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field, replace
 
 import islpy as isl
 
+from vividc.ssa.polyhedral.forms import Form
 from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.trees import (
     Loop,
@@ -36,35 +37,57 @@ def schedule_of(tree: Loop, relations: Relations) -> isl.Schedule:
     return _read(relations, domains, child)
 
 
+@dataclass(frozen=True)
+class Along:
+    """Iterations of a group along a coordinate, by its place: those below `limit`, if there is one,
+    a form of the statement's coordinates outside groups and of symbols.
+    """
+
+    coordinate: int
+    factor: int
+    limit: Form | None = None
+
+
+@dataclass(frozen=True)
+class Group:
+    """The iterations that the first of a group stands for, the last of these changing first."""
+
+    coordinates: tuple[str, ...]
+    along: tuple[Along, ...]
+
+
 @dataclass
 class Grouped:
-    """What a schedule leaves to others that runs the first iteration of each whole group only.
+    """What a schedule leaves to others that runs the first iteration of each group only, where all
+    others run, or those up to a limit.
 
     Attributes
     ----------
     marks
-        By mark: how many iterations along each coordinate of the marked statement a group has.
+        The group that a mark stands for.
     left
         The iterations that are run, by statement.
     """
 
-    marks: dict[str, tuple[int, ...]] = field(default_factory=dict)
+    marks: dict[str, Group] = field(default_factory=dict)
     left: dict[str, isl.Set] = field(default_factory=dict)
 
     def leaf(self, name: str, domain: isl.Set) -> None:
         """Iterations of a statement run at a leaf."""
         self.left[name] = self.left[name].union(domain) if name in self.left else domain
 
-    def mark(self, factors: tuple[int, ...]) -> str:
-        """The mark of groups of this shape."""
-        name = f"group_{'_'.join(map(str, factors))}"
-        self.marks[name] = factors
+    def mark(self, group: Group) -> str:
+        """The mark of such groups."""
+        name = next((name for name, known in self.marks.items() if known == group), None)
+        if name is None:
+            name = f"group_{len(self.marks)}"
+            self.marks[name] = group
         return name
 
 
 def grouped_schedule_of(tree: Loop, relations: Relations) -> tuple[isl.Schedule, Grouped]:
-    """isl's schedule tree, with one iteration for each whole group: writing out the others takes
-    isl most of its time.
+    """isl's schedule tree, with one iteration for each group that is whole, or masked along loops
+    with one limit: writing out the others takes isl most of its time.
     """
     grouped = Grouped()
     domains = relations.domains(statements_in(tree))
@@ -184,37 +207,74 @@ class _Ordering:
         partly = place.jammed
         leaf = ""
         if self.grouped is not None:
-            partly, full = self._full(name, place)
-            leaf = self._first_of(name, place.domains[name], full, self.grouped)
+            partly, along = self._along(name, place)
+            leaf = self._first_of(name, place, place.jammed[len(partly) :], along, self.grouped)
         if not partly:
             return leaf
         forms = [(loop, f"({{0}}) - ({group_of(loop)})") for loop in partly]
         return self._band(forms, place, leaf, "unroll")
 
     def _first_of(
-        self, name: str, domain: isl.Set, full: tuple[Loop, ...], grouped: Grouped
+        self,
+        name: str,
+        place: Site,
+        loops: tuple[Loop, ...],
+        along: tuple[Along, ...],
+        grouped: Grouped,
     ) -> str:
-        """The first iteration of each group along loops whose groups are all full, marked."""
-        if not full:
+        """The first iteration of each group along loops, marked."""
+        domain = place.domains[name]
+        if not loops:
             grouped.leaf(name, domain)
             return ""
-        firsts = [f"{loop.over[name]} = {group_of(loop).format(loop.over[name])}" for loop in full]
+        firsts = [f"{loop.over[name]} = {group_of(loop).format(loop.over[name])}" for loop in loops]
         text = f"{{ {self.tiles.named(name)} : {' and '.join(firsts)} }}"
         grouped.leaf(name, domain.intersect(isl.Set(f"{self.relations.parameters} -> {text}")))
-        factors = {loop.over[name]: loop.factor for loop in full}
-        shape = tuple(factors.get(c, 1) for c in self.relations.scop.statement(name).coordinates)
-        return f'{{ mark: "{grouped.mark(shape)}", child: {{ leaf }} }}'
+        group = Group(self.relations.scop.statement(name).coordinates, along)
+        return f'{{ mark: "{grouped.mark(group)}", child: {{ leaf }} }}'
 
-    def _full(self, name: str, place: Site) -> tuple[tuple[Loop, ...], tuple[Loop, ...]]:
-        """Jammed loops, and the innermost of them whose groups are all full, apart."""
+    def _along(self, name: str, place: Site) -> tuple[tuple[Loop, ...], tuple[Along, ...]]:
+        """Jammed loops, and what groups have along the innermost of them of which one iteration
+        says which others run: of loops whose groups are all full, or end at one limit.
+        """
         jammed = place.jammed
         if any(loop.skew for loop in place.around):
             return jammed, ()  # its other iterations are not beside the first
+        coordinates = self.relations.scop.statement(name).coordinates
+        found: list[Along] = []
+        for loop in reversed(jammed):
+            limit = self._limit(name, place, loop)
+            if limit is None and not self._are_full(name, place, loop):
+                break
+            found.append(Along(coordinates.index(loop.over[name]), loop.factor, limit))
+        partly = jammed[: len(jammed) - len(found)]
+        whole = list(itertools.takewhile(lambda one: one.limit is None, found))
+        along = (*reversed(found[len(whole) :]), *sorted(whole, key=lambda one: one.coordinate))
+        return partly, along
+
+    def _are_full(self, name: str, place: Site, loop: Loop) -> bool:
+        """Whether all groups along a loop are full."""
         band = self.tiles.reached({name: place.domains[name]}, place.around)
-        first = len(jammed)
-        while first and band.is_subset(self.tiles.filled(band, place.around, jammed[first - 1])):
-            first -= 1
-        return jammed[:first], jammed[first:]
+        return bool(band.is_subset(self.tiles.filled(band, place.around, loop)))
+
+    def _limit(self, name: str, place: Site, loop: Loop) -> Form | None:
+        """Where masked groups along a loop end, if that is one form whatever runs beside, and in
+        the middle of some groups.
+        """
+        scop = self.relations.scop
+        statement = scop.statement(name)
+        own = scop.dimension(name, loop.over[name])
+        first, limit = own.bounds
+        jammed = {other.over[name] for other in place.jammed}
+        beside = [bound for dim in statement.dims if dim is not own for bound in dim.bounds]
+        ends_inside = any(factor % loop.factor for _, factor in limit.plus(first, -1).terms)
+        grows = any(factor > 0 and one in scop.symbols for one, factor in limit.terms)
+        if not (loop.masked and first == loop.base and ends_inside and grows):
+            return None
+        if any(own.name in form.names for form in (*beside, *statement.guards)):
+            return None
+        is_all = place.domains[name].plain_is_equal(self.relations.domain(statement))
+        return limit if is_all and not limit.names & jammed else None
 
     def _band(self, members: list[tuple[Loop, str]], place: Site, child: str, option: str) -> str:
         maps = []
