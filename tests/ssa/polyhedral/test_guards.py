@@ -8,6 +8,8 @@ import vividc
 from tests.ssa.polyhedral.test_generate import parts_of
 from vividc.machine.opcodes import Opcode
 from vividc.ssa.flow import find_loops
+from vividc.ssa.polyhedral import loops as loops_module
+from vividc.ssa.polyhedral import schedule
 from vividc.ssa.polyhedral.forms import Form, symbol
 from vividc.ssa.polyhedral.generate import generate
 from vividc.ssa.polyhedral.guards import ALWAYS, Guard, both, guard_of, implies, is_maskable, masked
@@ -23,9 +25,9 @@ from vividc.ssa.polyhedral.loops import (
     loops_of,
 )
 from vividc.ssa.polyhedral.loops import Test as Comparison
-from vividc.ssa.polyhedral.orders.search import with_factors
+from vividc.ssa.polyhedral.orders.search import loops_in, with_factors
 from vividc.ssa.polyhedral.relations import Relations
-from vividc.ssa.polyhedral.trees import tree_of
+from vividc.ssa.polyhedral.trees import Loop, tree_of
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 
@@ -158,3 +160,53 @@ def test_sums_of_masked_rows_stay_in_registers() -> None:
     assert not any(i.op is Opcode.STORE for i in inside)
     assert sorted(stores) == [3] + [4] * 7
     assert sum(i.op is Opcode.FMA for i in inside) + sum(i.op is Opcode.FADD for i in inside) == 8
+
+
+@pytest.mark.parametrize(
+    ("factors", "masked"),
+    [((3, 1), True), ((3, 2), True), ((1, 4), True), ((2, 2), False)],
+)
+def test_groups_are_written_out_as_isl_does(
+    factors: tuple[int, int], masked: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The others of a group follow from its first, and those behind a limit from those before."""
+    for part in parts_of(tidy(sums.lower())) + parts_of(tidy(moved_on.lower())):
+        paths = (path for path, _ in loops_in(tree_of(part)))
+        given = {path: factor for path, factor in zip(paths, factors, strict=True) if factor > 1}
+        tree = with_factors(tree_of(part), given, masked=masked)
+        made = loops_of(tree, Relations(part))
+        with monkeypatch.context() as patch:
+            patch.setattr(loops_module, "grouped_schedule_of", _ungrouped)
+            assert loops_of(tree, Relations(part)) == made
+
+
+def _ungrouped(tree: Loop, relations: Relations) -> tuple[object, schedule.Grouped]:
+    return schedule.schedule_of(tree, relations), schedule.Grouped()
+
+
+@vividc.kernel("void(int32[:, ::1], int32[:, ::1], int32)")
+def moved_on(a, b, n):
+    """Bounds that begin at 1, and end before the last and at a number."""
+    for i in range(1, a.shape[0] - 1):
+        for j in range(1, n):
+            a[i, j] = b[i - 1, j] + b[i + 1, j]
+
+
+def test_the_iterations_of_masked_rows_are_in_each_other() -> None:
+    [scop] = parts_of(tidy(moved_on.lower()))
+    tree = with_factors(tree_of(scop), {(): 3}, masked=True)
+    made = loops_of(tree, Relations(scop))
+    assert isinstance(made, Loops)
+    [rows] = made.code
+    assert isinstance(rows, For)
+    [elements] = rows.body
+    assert isinstance(elements, For)
+    first, second = elements.body
+    assert isinstance(first, Run)
+    assert isinstance(second, If)
+    following, third = second.then
+    assert isinstance(following, Run)
+    assert isinstance(third, If)
+    assert following.coordinates[0] == first.coordinates[0].plus(Form((), 1))
+    assert third.test.left == second.test.left.plus(Form((), -1))
+    assert third.name != second.name

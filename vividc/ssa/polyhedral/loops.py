@@ -244,9 +244,7 @@ class _Reader:
         at = dict(zip(group.coordinates, code.coordinates, strict=True))
         yield from self._beside(code, group.along, at)
 
-    def _beside(
-        self, run: Run, along: tuple[Along, ...], at: Mapping[str, Form]
-    ) -> Iterator[Code]:
+    def _beside(self, run: Run, along: tuple[Along, ...], at: Mapping[str, Form]) -> Iterator[Code]:
         """The iterations of a group beside one; what is below a limit is in what was before it."""
         if not along:
             yield run

@@ -51,6 +51,8 @@ class Relations:
     scop: Scop
     legal: dict[str, bool] = field(default_factory=dict, compare=False)
     endless: set[str] = field(default_factory=set, compare=False)
+    _domains: dict[str, tuple[Statement, isl.Set]] = field(default_factory=dict, compare=False)
+    """By name, with the statement: another one may have its name."""
 
     @property
     def is_endless(self) -> bool:
@@ -73,6 +75,13 @@ class Relations:
 
     def domain(self, statement: Statement) -> isl.Set:
         """The iterations of a statement."""
+        known, domain = self._domains.get(statement.name, (None, None))
+        if known is not statement or domain is None:
+            domain = self._domain(statement)
+            self._domains[statement.name] = statement, domain
+        return domain
+
+    def _domain(self, statement: Statement) -> isl.Set:
         names = ", ".join(statement.coordinates)
         bounds = [f"{dim.bounds[0]} <= {dim.name} < {dim.bounds[1]}" for dim in statement.dims]
         bounds += [f"{guard} >= 0" for guard in statement.guards]

@@ -190,17 +190,16 @@ class _Ordering:
             domains = {name: d for name, d in place.domains.items() if name in names}
             inside = replace(place, domains=domains)
             if not inside.is_empty:
-                nodes.append((inside, self.node(child, inside)))
-        return self._sequence(nodes)
+                every = "; ".join(map(self.tiles.named, domains))  # what is around says which
+                text = f"{self.relations.parameters} -> {{ {every} }}"
+                nodes.append((text, self.node(child, inside)))
+        return _sequence(nodes)
 
     def _sequence(self, nodes: list[tuple[Site, str]]) -> str:
+        """Parts of what a loop runs, one after the other."""
         if len(nodes) <= 1:
             return "".join(node for _, node in nodes)
-        filters = [
-            f'{{ filter: "{self.relations.union(place.domains)}"{_child(node)} }}'
-            for place, node in nodes
-        ]
-        return f"{{ sequence: [ {', '.join(filters)} ] }}"
+        return _sequence([(str(self.relations.union(place.domains)), n) for place, n in nodes])
 
     def _points(self, name: str, place: Site) -> str:
         """The iterations of a group, one after another."""
@@ -294,3 +293,11 @@ class _Ordering:
 
 def _child(node: str) -> str:
     return f", child: {node}" if node else ""
+
+
+def _sequence(nodes: list[tuple[str, str]]) -> str:
+    """Nodes one after the other, each of what is in a set."""
+    if len(nodes) <= 1:
+        return "".join(node for _, node in nodes)
+    filters = [f'{{ filter: "{taken}"{_child(node)} }}' for taken, node in nodes]
+    return f"{{ sequence: [ {', '.join(filters)} ] }}"

@@ -93,13 +93,15 @@ class Maps:
     def _running_at(self, place: Place, inside: list[isl.Set]) -> isl.Set:
         """Iterations in which an access may be made, with what is known of the parameters."""
         predicate = None if is_certain(place.instr) else place.instr.operands[-1]
-        key = (place.block, predicate, self.values.met)
+        key: tuple[Hashable, ...] = (place.block, predicate, self.values.met)
         if key not in self._running:
             self._running[key] = self._runs(place)
-        running = self._running[key]
-        for one in inside:
-            running = running.intersect(one)
-        return running
+        for one in inside:  # each is kept in `_inside`
+            within = (*key, id(one))
+            if within not in self._running:
+                self._running[within] = self._running[key].intersect(one)
+            key = within
+        return self._running[key]
 
     def _runs(self, place: Place) -> isl.Set:
         """Iterations in which an access may be made: its predicate says so, too."""
