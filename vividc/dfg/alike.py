@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from vividc.dfg.ir import DFG, AddressForm, Node
+from vividc.host.once import changed
 from vividc.machine.opcodes import Opcode
 
 _NAMING = frozenset({Opcode.LIVE_IN, Opcode.LIVE_OUT})
@@ -30,11 +31,11 @@ class Optimized:
         nodes: list[Node] = []
         for node in self.done.nodes:
             if node.op in _NAMING:
-                nodes.append(replace(node, name=renamed.get(node.name, node.name)))
+                nodes.append(changed(node, name=renamed.get(node.name, node.name)))
             elif not node.is_memory:
                 nodes.append(node)
             elif node.id in other.by_id and other.by_id[node.id].op is node.op:
-                nodes.append(replace(node, address=other.by_id[node.id].address))
+                nodes.append(changed(node, address=other.by_id[node.id].address))
             else:
                 return None
         return Optimized(other, DFG("", tuple(nodes), self.done.edges), False)
@@ -69,7 +70,7 @@ def numbered(dfg: DFG, named: Iterable[str] | None = None) -> DFG:
     """The graph without a name, these variables called by their order; None: those of values."""
     other = numbers(variables(dfg) if named is None else named)
     nodes = (
-        replace(node, name=other[node.name]) if node.op in _NAMING and node.name in other else node
+        changed(node, name=other[node.name]) if node.op in _NAMING and node.name in other else node
         for node in dfg.nodes
     )
     return DFG("", tuple(nodes), dfg.edges)

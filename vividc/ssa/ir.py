@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from vividc.errors import InternalError, SourceLoc
+from vividc.host.once import made_soon
 from vividc.machine.lanes import Lane
 from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.params import (
@@ -30,6 +31,7 @@ Key = int | str
 """What names a value: the id of a result, the key of an input."""
 
 
+@made_soon
 @dataclass(frozen=True, slots=True)
 class Ref:
     """The result of the phi or instruction with this id."""
@@ -42,6 +44,7 @@ class Ref:
         return self.id
 
 
+@made_soon
 @dataclass(frozen=True, slots=True)
 class Const:
     """A word: integers modulo 2**32, floats as IEEE bits, predicates 0 or 1."""
@@ -190,6 +193,7 @@ LLVM_CASTS = frozenset(
 """LLVM's conversions."""
 
 
+@made_soon
 @dataclass(frozen=True, slots=True)
 class Instr:
     """One instruction.
@@ -268,6 +272,7 @@ class Instr:
         return self.op
 
 
+@made_soon
 @dataclass(frozen=True, slots=True)
 class Phi:
     """An SSA phi: `incoming` maps a predecessor block's name to the value."""
@@ -305,6 +310,7 @@ class Branch:
         return tuple(name for name in names if name is not None)
 
 
+@made_soon
 @dataclass(frozen=True, slots=True)
 class Block:
     """A basic block."""

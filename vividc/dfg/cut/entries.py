@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 
+from vividc.host.once import changed
 from vividc.machine.opcodes import ELEMENTARY, MEMORY, Type
 from vividc.ssa.edit import (
     FreshIds,
@@ -171,21 +172,21 @@ def _inverted(function: Function, ends: _Ends) -> Function:
     for block in function.blocks:
         if block.name == header.name:
             continue
-        changed = _with_behind(block, above, ends.after, renamed)
+        edited = _with_behind(block, above, ends.after, renamed)
         if block.name in copies:
             branch = copies[block.name].branch
-            changed = replace(changed, instrs=(*block.instrs, *copies[block.name].instrs))
-            changed = replace(changed, branch=branch)
+            edited = replace(edited, instrs=(*block.instrs, *copies[block.name].instrs))
+            edited = replace(edited, branch=branch)
         elif block.name == ends.first:
             again = tuple(instr for instr in header.instrs if instr.op not in MEMORY)
             made = {instr.id for instr in again}
             own = {i: i for i, kind in types.items() if i not in made and kind is not Type.NONE}
-            changed = replace(changed, phis=_phis(types, own, copies))
-            changed = replace(changed, instrs=(*again, *block.instrs))
+            edited = replace(edited, phis=_phis(types, own, copies))
+            edited = replace(edited, instrs=(*again, *block.instrs))
         elif block.name == ends.after:
             new = {i: v.id for i, v in renamed.items() if isinstance(v, Ref)}
-            changed = replace(changed, phis=_phis(types, new, copies))
-        blocks.append(changed)
+            edited = replace(edited, phis=_phis(types, new, copies))
+        blocks.append(edited)
     return replace(function, blocks=tuple(blocks))
 
 
@@ -206,7 +207,7 @@ def _copy(block: Block, source: str, fresh: FreshIds) -> _Copy:
     values: dict[int, Value] = {phi.id: incoming(phi, source) for phi in block.phis}
     values |= {instr.id: Ref(fresh(source, instr.id)) for instr in block.instrs}
     given = map_values(replace(block, phis=()), lambda v: _read(v, values))
-    instrs = (replace(instr, id=fresh(source, instr.id)) for instr in given.instrs)
+    instrs = (changed(instr, id=fresh(source, instr.id)) for instr in given.instrs)
     return _Copy(tuple(instrs), given.branch, values)
 
 

@@ -79,7 +79,7 @@ def _least_life(
     nodes = [node.id for node in problem.dfg.placed]
     words = list(dict.fromkeys(edge.src for edge in edges if edge.routed))
     latency = {edge.src: edge.latency for edge in edges}
-    floor = {word: _reads(problem, edges, word, readers) for word in words}
+    floor = _reads(problem, edges, words, readers)
     starts = earliest_starts(nodes, edges, ii)
     if starts is None:
         raise ValueError(f"II {ii} is below the RecMII")
@@ -128,14 +128,16 @@ def _differences(
             yield edge.dst, _end(edge.src), ii * edge.distance
 
 
-def _reads(problem: MapProblem, edges: Sequence[Dependence], word: int, readers: int) -> int:
-    """Least places that the reads of a word take, however short its lifetime."""
-    by_fus = {
-        (edge.dst, edge.distance)
-        for edge in edges
-        if edge.src == word and edge.routed and problem.dfg.by_id[edge.dst].uses_fu
-    }
-    return max(-(-len(by_fus) // readers) - 1, 0)
+def _reads(
+    problem: MapProblem, edges: Sequence[Dependence], words: Sequence[int], readers: int
+) -> dict[int, int]:
+    """Least places that the reads of each word take, however short its lifetime."""
+    fus = {node.id for node in problem.dfg.operations}
+    by_fus: dict[int, set[tuple[int, int]]] = {word: set() for word in words}
+    for edge in edges:
+        if edge.routed and edge.dst in fus:
+            by_fus[edge.src].add((edge.dst, edge.distance))
+    return {word: max(-(-len(reads) // readers) - 1, 0) for word, reads in by_fus.items()}
 
 
 def _life(starts: dict[int, int], edge: Dependence, ii: int) -> int:

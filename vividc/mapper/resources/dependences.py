@@ -9,8 +9,11 @@ from dataclasses import dataclass, replace
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, EdgeKind
+from vividc.host.once import made_soon, once_each
+from vividc.machine.opcodes import LatencyClass
 
 
+@made_soon
 @dataclass(frozen=True, slots=True)
 class Dependence:
     """start[dst] + II * distance >= start[src] + separation, between placed nodes.
@@ -34,17 +37,23 @@ class Dependence:
 
 def dependences(dfg: DFG, fabric: Fabric) -> tuple[Dependence, ...]:
     """Every edge between placed nodes, in edge order."""
+    return _dependences(dfg, tuple(fabric.latencies.items()), fabric.controller.control_latency)
+
+
+@once_each
+def _dependences(
+    dfg: DFG, latencies: tuple[tuple[LatencyClass, int], ...], control_latency: int
+) -> tuple[Dependence, ...]:
+    cycles = dict(latencies)
+    latency_of = {node.id: cycles[node.latency_class] for node in dfg.placed}
     deps = []
     for index, edge in enumerate(dfg.edges):
-        source = dfg.by_id[edge.src]
-        if source.is_source:
+        latency = latency_of.get(edge.src)
+        if latency is None:
             continue
-        latency = fabric.latency(source)
-        separation = {
-            EdgeKind.DATA: latency,
-            EdgeKind.ORDER: 1,
-            EdgeKind.CONTROL: latency + fabric.controller.control_latency,
-        }[edge.kind]
+        separation = 1 if edge.kind is EdgeKind.ORDER else latency
+        if edge.kind is EdgeKind.CONTROL:
+            separation += control_latency
         deps.append(
             Dependence(edge.src, edge.dst, edge.distance, separation, edge.is_data, latency, index)
         )

@@ -42,7 +42,9 @@ class Polynomial:
         terms: dict[Monomial, int] = {}
         for mine, a in self.terms.items():
             for theirs, b in other.terms.items():
-                product = tuple(sorted((*mine, *theirs), key=repr))
+                product = (*mine, *theirs)
+                if mine and theirs:
+                    product = tuple(sorted(product, key=repr))
                 terms[product] = signed(terms.get(product, 0) + a * b)
         return Polynomial({m: c for m, c in terms.items() if c})
 

@@ -7,11 +7,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
+from vividc.host.once import made_soon
 from vividc.machine.opcodes import Opcode
 
 COMPARISONS: Final = (Opcode.ICMP_SLT, Opcode.ICMP_SLE, Opcode.ICMP_EQ)
 
 
+@made_soon
 @dataclass(frozen=True, slots=True)
 class Form:
     """Sum of factor * name over `terms` (sorted by name, no factor is 0), plus `constant`."""
@@ -21,10 +23,13 @@ class Form:
 
     def plus(self, other: Form, factor: int = 1) -> Form:
         """self + factor * other."""
+        constant = self.constant + factor * other.constant
+        if not other.terms:
+            return Form(self.terms, constant)
         terms = dict(self.terms)
         for name, count in other.terms:
             terms[name] = terms.get(name, 0) + factor * count
-        return form(terms, self.constant + factor * other.constant)
+        return form(terms, constant)
 
     def times(self, factor: int) -> Form:
         """factor * self."""
@@ -39,10 +44,17 @@ class Form:
 
     def substituted(self, values: Mapping[str, Form]) -> Form:
         """The form with forms in place of names."""
-        result = Form((), self.constant)
+        terms: dict[str, int] = {}
+        constant = self.constant
         for name, factor in self.terms:
-            result = result.plus(values.get(name, symbol(name)), factor)
-        return result
+            value = values.get(name)
+            if value is None:
+                terms[name] = terms.get(name, 0) + factor
+                continue
+            constant += factor * value.constant
+            for inner, count in value.terms:
+                terms[inner] = terms.get(inner, 0) + factor * count
+        return form(terms, constant)
 
     @property
     def names(self) -> frozenset[str]:

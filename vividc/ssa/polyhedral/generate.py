@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 
+from vividc.host.once import changed
 from vividc.machine.opcodes import MEMORY, Opcode, Type
 from vividc.ssa.edit import (
     FreshIds,
@@ -413,7 +414,7 @@ class _Running:
                 self._access(instr)
                 continue
             operands = tuple(map(self._operand, instr.operands))
-            words.instrs.append(replace(instr, id=words.ids(), operands=operands))
+            words.instrs.append(changed(instr, id=words.ids(), operands=operands))
             self.own[instr.id] = Ref(words.instrs[-1].id)
         left = [(ident, self.own[ident]) for ident in self.statement.writes]
         left += [(ident, self._operand(value)) for ident, value in self.statement.copies]

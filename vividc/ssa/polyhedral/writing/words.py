@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from vividc.errors import SourceLoc
+from vividc.host.once import changed
 from vividc.machine.division import quotient_by_constant
 from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.words import WORD_BITS, WORD_MASK
@@ -121,7 +122,7 @@ class Words:
             pitches = tuple(Input(f"{instr.array}.shape{axis}") for axis in axes)
         index = self.element(place.subscripts, pitches)
         step = element_bytes(instr)
-        made = replace(
+        made = changed(
             instr,
             id=self.ids(),
             array=array,
