@@ -73,7 +73,7 @@ def made_soon(given: type[_Object]) -> type[_Object]:
     kept = ", ".join(f"self.{n} if {n} is _same else {n}" for n in (one.name for one in own))
     text = [f"def made(self, {taken}):", *lines, f"def changed(self, {every}):"]
     exec("\n".join([*text, f"    return _given({kept})"]), names)
-    given.__init__ = names["made"]  # type: ignore[misc]
+    given.__init__ = names["made"]  # type: ignore[method-assign]
     _CHANGED[given] = names["changed"]
     return given
 

@@ -55,10 +55,10 @@ def _key(rewrite: Rewrite, node: Node, stored: set[str]) -> Hashable | None:
             return None
     elif node.op not in SEMANTICS:
         return None
-    operands = [_read(rewrite, node, port) for port in range(node.info.arity)]
+    operands: list[Hashable] = [_read(rewrite, node, port) for port in range(node.info.arity)]
     pred, base = _read(rewrite, node, PRED), _read(rewrite, node, BASE)
     if node.info.commutes and pred is None:  # a predicate decides which operand passes through
-        operands[:2] = sorted(operands[:2], key=str)
+        operands[:2] = [frozenset(operands[:2])]
     address = (node.name, node.shift, node.offset, node.width, node.signed)
     return node.op, address, tuple(operands), pred, base
 

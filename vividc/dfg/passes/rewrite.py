@@ -46,8 +46,11 @@ class Rewrite:
         self._changed = False
         self._constants: dict[int, int] | None = None
         """Their nodes by word; None: not known."""
-        for key in self._edges:
-            self._link(key)
+        for key, edge in self._edges.items():  # as `_link`
+            self._into[edge.dst][key] = None
+            self._out[edge.src][key] = None
+            if edge.kind is EdgeKind.DATA:
+                self._port[edge.dst].setdefault(edge.port, key)
 
     def result(self) -> DFG:
         """The edited graph; the original object if nothing changed."""

@@ -210,7 +210,7 @@ class Places:
                 (
                     place
                     for place in range(rows.factor)
-                    if isl.Set(f"{left} ({ahead}) mod {rows.factor} != {place} }}").is_empty()
+                    if _is_empty(f"{left} ({ahead}) mod {rows.factor} != {place} }}")
                 ),
                 None,
             )
@@ -366,7 +366,7 @@ class Places:
             for test in (subscript.plus(first, -1), last.plus(subscript, -1)):
                 symbols, chosen, conditions = self._reached([test])
                 below = " and ".join((*conditions, f"{test} < 0"))
-                if not isl.Set(f"[{symbols}] -> {{ [{chosen}] : {below} }}").is_empty():
+                if not _is_empty(f"[{symbols}] -> {{ [{chosen}] : {below} }}"):
                     tests.append(test)
         return both(frozenset(tests), ALWAYS)
 
