@@ -61,8 +61,8 @@ def _evaluate(rewrite: Rewrite, node: Node) -> bool:
     if function is None or node.op is Opcode.MOV or rewrite.predicated(node.id):
         return False
     words = []
-    for value in rewrite.operands(node):
-        word = rewrite.word(value)
+    for port in range(node.info.arity):
+        word = rewrite.word(rewrite.operand(node.id, port))
         if word is None:
             return False
         words.append(word)

@@ -62,8 +62,11 @@ _BIT_OPERATIONS: Final = frozenset(
 
 def _constant_last(rewrite: Rewrite, node: Node) -> bool:
     """Let port 1 of a commuting operation read the constant."""
-    first, second = rewrite.operands(node)[:2]
-    if rewrite.word(first) is None or rewrite.word(second) is not None:
+    first = rewrite.operand(node.id, 0)
+    if rewrite.word(first) is None:
+        return False
+    second = rewrite.operand(node.id, 1)
+    if rewrite.word(second) is not None:
         return False
     rewrite.set_operand(node.id, 0, second)
     rewrite.set_operand(node.id, 1, first)
@@ -71,10 +74,9 @@ def _constant_last(rewrite: Rewrite, node: Node) -> bool:
 
 
 def _neutral_element(rewrite: Rewrite, node: Node) -> bool:
-    first, second = rewrite.operands(node)
-    if rewrite.word(second) != _NEUTRAL[node.op]:
+    if rewrite.word(rewrite.operand(node.id, 1)) != _NEUTRAL[node.op]:
         return False
-    return rewrite.forward(node.id, first)
+    return rewrite.forward(node.id, rewrite.operand(node.id, 0))
 
 
 def _absorbing_element(rewrite: Rewrite, node: Node) -> bool:
@@ -84,10 +86,10 @@ def _absorbing_element(rewrite: Rewrite, node: Node) -> bool:
 
 
 def _neutral_float(rewrite: Rewrite, node: Node) -> bool:
-    first, second = rewrite.operands(node)
-    if rewrite.word(second) != _NEUTRAL_F32[node.op] or not _has_canonical_nans(rewrite, first):
+    if rewrite.word(rewrite.operand(node.id, 1)) != _NEUTRAL_F32[node.op]:
         return False
-    return rewrite.forward(node.id, first)
+    first = rewrite.operand(node.id, 0)
+    return _has_canonical_nans(rewrite, first) and rewrite.forward(node.id, first)
 
 
 def _has_canonical_nans(rewrite: Rewrite, value: Value) -> bool:

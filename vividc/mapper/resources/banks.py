@@ -363,11 +363,11 @@ def _bank(node: Node, stage: _Draws, banks: int, known: Words, *, is_mapped: boo
 
 
 @cache
-def _drawn(word: str, below: int) -> _Draws:
+def _drawn(word: str, below: int, times: int = _DRAWN) -> _Draws:
     """What an unknown word is, each time."""
-    return np.array(Random(word).choices(range(below), k=_DRAWN), np.int64)
+    return np.array(Random(word).choices(range(below), k=times), np.int64)
 
 
 def _chosen(what: str, below: int) -> _Draws:
     """What a compiler is free to choose: the same in all draws of one choice."""
-    return np.repeat(_drawn(what, below)[:_CHOICES], _DRAWN // _CHOICES)
+    return np.repeat(_drawn(what, below, _CHOICES), _DRAWN // _CHOICES)

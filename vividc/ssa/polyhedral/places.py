@@ -431,14 +431,14 @@ class Places:
         """
         if one.owner != other.owner:
             return False
-        gaps = tuple(a.plus(b, -1) for a, b in zip(one.subscripts, other.subscripts, strict=True))
-        if any(not gap.terms and gap.constant for gap in gaps):
+        pairs = tuple(zip(one.subscripts, other.subscripts, strict=True))
+        if any(a.terms == b.terms and a.constant != b.constant for a, b in pairs):
             return False
-        if all(gap == Form() for gap in gaps):
+        if one.subscripts == other.subscripts:
             return True
         if one.is_scalar:
             return False
-        met = zeros(gaps)
+        met = zeros(a.plus(b, -1) for a, b in pairs)
         tests = None if met is None else moved(guard if self.shares else ALWAYS, met.solved)
         if met is None or tests is None:
             return False
