@@ -321,8 +321,9 @@ def _at(mine: isl.Map, theirs: isl.Map, later: int, least: int) -> Distances:
     met = mine.intersect(moved).domain()
     if met.is_empty() or 0 <= later < least:
         return Distances()
-    runs = mine.domain().intersect(moved.domain()).params()
-    assumed = not runs.is_subset(met.params())
+    runs, met = mine.domain().intersect(moved.domain()).params(), met.params()
+    equations = isl.Set.from_basic_set(met.affine_hull())  # they are soon seen not to hold
+    assumed = not (runs.is_subset(equations) and runs.is_subset(met))
     return Distances(later, assumed=assumed) if later >= 0 else Distances(None, -later, assumed)
 
 
