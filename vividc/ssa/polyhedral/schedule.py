@@ -270,6 +270,8 @@ class _Ordering:
         grows = any(factor > 0 and one in scop.symbols for one, factor in limit.terms)
         if not (loop.masked and first == loop.base and ends_inside and grows):
             return None
+        if any(scop.dimension(*one).bounds != own.bounds for one in loop.over.items()):
+            return None  # isl tells what runs beside what by all limits at once
         if any(own.name in form.names for form in (*beside, *statement.guards)):
             return None
         is_all = place.domains[name].plain_is_equal(self.relations.domain(statement))
