@@ -38,7 +38,7 @@ room:
 test: room setup
 	$(PYTEST) -m "not slow and not long" $(TESTS)
 
-# Tests that take more than a second: two in a hundred, and two fifths of the time of all.
+# Tests that take more than half a second: five in a hundred, and half of the time of all.
 test-long: setup
 	$(PYTEST) -m long $(shell cut -d: -f1 tests/long.txt | uniq)
 

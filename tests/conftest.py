@@ -24,7 +24,7 @@ settings.register_profile(
 settings.load_profile("tests")
 
 LONG = Path(__file__).with_name("long.txt")
-"""The tests that take more than a second, by their ids."""
+"""The tests that take more than half a second, by their ids."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
