@@ -26,6 +26,7 @@ from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.rows import rows_of, with_own_rows
 from vividc.ssa.polyhedral.scop import Scop
 from vividc.ssa.polyhedral.trees import Loop, tree_of
+from vividc.ssa.polyhedral.values import bounded
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 
@@ -107,6 +108,18 @@ def test_rows_of_a_temporary_give_what_the_temporary_gave(factor: int, rows: int
 def test_what_is_no_temporary_has_no_rows(kernel: vividc.KernelFunction) -> None:
     scop = part_of(kernel)
     assert with_own_rows(tree_of(scop), Relations(scop)) is None
+
+
+def test_there_are_no_rows_where_isl_would_take_too_long() -> None:
+    """Seed 889 of `tests/fuzz/trees.py` had it find what a temporary's reads see without an end."""
+    scop = part_of(through_a_row)
+    relations, tree = Relations(scop), tree_of(scop)
+    with bounded(10):
+        assert with_own_rows(tree, relations) is None
+    relations.endless.update("ab")
+    assert with_own_rows(tree, relations) is None
+    relations.endless.clear()
+    assert with_own_rows(tree, relations) is not None
 
 
 def test_an_array_of_unknown_size_has_no_rows() -> None:

@@ -14,7 +14,7 @@ from vividc.ssa.polyhedral.orders.search import describe
 from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.schedule import Along, Group, grouped_schedule_of
 from vividc.ssa.polyhedral.trees import Loop
-from vividc.ssa.polyhedral.values import bounded, integer
+from vividc.ssa.polyhedral.values import integer
 from vividc.ssa.rewrite.refusal import Refusal
 
 _COMPARISONS: Final = {"eq": "==", "le": "<=", "lt": "<", "ge": ">=", "gt": ">"}
@@ -90,13 +90,9 @@ class _Odd(Exception):
 
 def loops_of(tree: Loop, relations: Relations) -> Loops | Refusal:
     """The loops of a tree."""
-    name = f"loops of {describe(tree)}"
     if not relations.is_endless:
-        with bounded() as in_full:
-            relations.endless.update({name} if in_full else ())
-            made = _loops_of(tree, relations)
-            relations.endless.discard(name)
-            return made
+        with relations.asked(f"loops of {describe(tree)}"):
+            return _loops_of(tree, relations)
     return Refusal("isl takes too long for loops of it")
 
 

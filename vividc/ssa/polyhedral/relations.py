@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from operator import eq
@@ -15,7 +16,7 @@ from vividc.ssa.ir import is_dimension
 from vividc.ssa.polyhedral.forms import Form, form, symbol
 from vividc.ssa.polyhedral.scop import Nest, Scop, Statement
 from vividc.ssa.polyhedral.subscripts import Access
-from vividc.ssa.polyhedral.values import integer
+from vividc.ssa.polyhedral.values import bounded, integer
 
 LARGE = 1 << 28
 """No other symbol is larger in a loop that ends; smaller ones count as its negative: bounds of
@@ -58,6 +59,16 @@ class Relations:
     def is_endless(self) -> bool:
         """Whether isl has given up too often."""
         return len(self.endless) >= _STRIKES
+
+    @contextmanager
+    def asked(self, question: str) -> Iterator[None]:
+        """Inside, isl gives up where the answer would take long: nothing is known then, and the
+        question is one of those that are endless.
+        """
+        with bounded() as in_full:
+            self.endless.update({question} if in_full else ())
+            yield
+            self.endless.discard(question)
 
     @cached_property
     def parameters(self) -> str:

@@ -39,16 +39,18 @@ def rows_of(tree: Tree) -> dict[str, Rows]:
 def with_own_rows(loop: Loop, relations: Relations) -> Loop | None:
     """The loop with rows of all temporaries that it may have any of; None if there are none."""
     limit = _limit(loop, relations.scop)
-    if limit is None or loop.skew:
+    if limit is None or loop.skew or relations.is_endless:
         return None
-    arrays = frozenset(
-        name
-        for name in relations.scop.elements
-        if _may_be_made(relations.scop.function, name)
-        and _is_temporary(name, loop, relations)
-        and _ends_in_last(name, loop, relations, limit)
-    )
-    return replace(loop, rows=arrays, base=limit) if arrays else None
+    with relations.asked(f"rows of {loop.over}"):
+        arrays = frozenset(
+            name
+            for name in relations.scop.elements
+            if _may_be_made(relations.scop.function, name)
+            and _is_temporary(name, loop, relations)
+            and _ends_in_last(name, loop, relations, limit)
+        )
+        return replace(loop, rows=arrays, base=limit) if arrays else None
+    return None
 
 
 def _limit(loop: Loop, scop: Scop) -> Form | None:

@@ -13,7 +13,6 @@ from vividc.ssa.polyhedral.rows import rows_of, with_own_rows
 from vividc.ssa.polyhedral.schedule import schedule_of
 from vividc.ssa.polyhedral.scop import Scop
 from vividc.ssa.polyhedral.trees import Loop, Tree, is_bound_to, statements_in
-from vividc.ssa.polyhedral.values import bounded
 
 Path = tuple[int, ...]
 """Where a loop is in a tree: positions among children, from the root."""
@@ -77,10 +76,8 @@ def is_legal(tree: Loop, relations: Relations) -> bool:
     rows = rows_of(tree)
     known, name = relations.legal, f"{describe(tree)} {rows}"
     if name not in known and not relations.is_endless:
-        with bounded() as in_full:
-            relations.endless.update({name} if in_full else ())
+        with relations.asked(name):
             known[name] = relations.respects(schedule_of(tree, relations).get_map(), rows)
-            relations.endless.discard(name)
     return known.get(name, False)
 
 
