@@ -15,7 +15,7 @@ import sys
 import time
 import warnings
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache
 from importlib import util
 from pathlib import Path
@@ -45,6 +45,9 @@ NOTES = (
     "Frontend: from LLVM's text to SSA, without numba and LLVM (of a C kernel, whose LLVM runs in",
     "another process, from the file). Planning: loop transformations are chosen, the function is",
     "normalised and cut into graphs, and the passes run on them. Mapping is not measured.",
+)
+WITHOUT_NESTS = (
+    "Nests of affine loops keep their loops (`--without-nests`), as commits before them do."
 )
 NAMED = ("sort_by_network", "march_rays")
 _DEFINED = re.compile(r"^define (?!internal|private).*@([\w.]+)\(", re.MULTILINE)
@@ -84,9 +87,11 @@ def files(root: Path) -> Iterator[str]:
 
 
 class Bench:
-    """Compiles the kernels of one checkout, which is the one that `vividc` is imported from."""
+    """Compiles the kernels of one checkout, which is the one that `vividc` is imported from;
+    `nests`: affine ones are restructured, if that checkout does it at all.
+    """
 
-    def __init__(self) -> None:
+    def __init__(self, *, nests: bool = True) -> None:
         # What numba and LLVM give is the same each time, and is not measured.
         for name in ("numba_module", "optimised_ir"):
             setattr(frontend, name, cache(getattr(frontend, name)))
@@ -94,6 +99,8 @@ class Bench:
         loaded = arch.load(FABRIC)
         assert isinstance(loaded, Fabric)
         self.fabric = loaded
+        known = {field.name for field in fields(_LOOPS)}
+        self._loops = _LOOPS() if nests or "restructure" not in known else _LOOPS(restructure=False)
 
     def kernels(self, file: str) -> list[str]:
         """Names of the kernels that a file defines."""
@@ -134,7 +141,7 @@ class Bench:
     def _plan(self, function: Function, parallel: frozenset[int]) -> None:
         options = PassOptions(contract=False)
         estimator = Estimator(self.fabric, options)
-        plan = choose(contract(function), estimator, _LOOPS(), parallel)
+        plan = choose(contract(function), estimator, self._loops, parallel)
         state = plan.stages[-1].state
         function = estimator.prepared(state.function, state.hints)
         if hasattr(estimator, "optimized_kernel"):
@@ -143,9 +150,9 @@ class Bench:
             optimize_kernel(build_kernel(function), options)
 
 
-def serve() -> None:
+def serve(*, nests: bool) -> None:
     """Answers requests, a line each: a file's kernels, or the seconds of one of them."""
-    bench = Bench()
+    bench = Bench(nests=nests)
     for line in sys.stdin:
         request = json.loads(line)
         answer = bench.kernels(*request) if len(request) == 1 else bench.measure(*request)
@@ -155,9 +162,9 @@ def serve() -> None:
 class Worker:
     """`serve` in a process of its own, with the package of a checkout."""
 
-    def __init__(self, root: Path) -> None:
+    def __init__(self, root: Path, *, nests: bool) -> None:
         self.process = subprocess.Popen(
-            [sys.executable, __file__, "--serve"],
+            [sys.executable, __file__, "--serve", *(() if nests else ("--without-nests",))],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
@@ -173,9 +180,9 @@ class Worker:
         return answer
 
 
-def rows(against: Path, repeats: int, only: Sequence[str]) -> Iterator[Row]:
+def rows(against: Path, repeats: int, only: Sequence[str], *, nests: bool) -> Iterator[Row]:
     """A row a kernel, as they are measured."""
-    before, now = Worker(against), Worker(ROOT)
+    before, now = Worker(against, nests=nests), Worker(ROOT, nests=nests)
     for file in files(ROOT):
         for name in map(str, now.ask(file)):
             if only and name not in only:
@@ -208,24 +215,32 @@ def summary(measured: Sequence[Row]) -> Iterator[str]:
 @click.option("--against", type=click.Path(path_type=Path, exists=True, file_okay=False))
 @click.option("--repeats", default=3, show_default=True)
 @click.option("--kernel", "only", multiple=True, help="Only these; default: all.")
+@click.option("--without-nests", is_flag=True, help="Restructure no nests of affine loops.")
 @click.option("--serve", "serving", is_flag=True, hidden=True)
 @click.option("-o", "--output", type=click.Path(path_type=Path, dir_okay=False), default=None)
 def main(
-    against: Path | None, repeats: int, only: tuple[str, ...], serving: bool, output: Path | None
+    against: Path | None,
+    repeats: int,
+    only: tuple[str, ...],
+    without_nests: bool,
+    serving: bool,
+    output: Path | None,
 ) -> None:
     """Print the table, and write it to the file OUTPUT."""
+    nests = not without_nests
     if serving:
-        serve()
+        serve(nests=nests)
         return
     measured = []
     click.echo(HEADER)
-    for row in rows((against or ROOT).resolve(), repeats, only):
+    for row in rows((against or ROOT).resolve(), repeats, only, nests=nests):
         measured.append(row)
         click.echo(row.text())
     means = "\n".join(summary(measured))
     click.echo(f"\n{means}")
     if output is not None:
-        notes = "\n".join(NOTES).format(repeats=repeats)
+        told = NOTES if nests else (*NOTES, WITHOUT_NESTS)
+        notes = "\n".join(told).format(repeats=repeats)
         table = "\n".join([HEADER, *(row.text() for row in measured)])
         output.write_text(f"# {TITLE}\n\n{notes}\n\n{means}\n\n{table}\n")
 
