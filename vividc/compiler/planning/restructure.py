@@ -59,9 +59,9 @@ what it takes by columns, and at its best 0.8 times. Another order is taken if i
 at an estimate of 0.993 symm takes 1.04 times its cycles, seidel-2d 0.93 times at one of 0.983.
 """
 
-_MASKED = 0.95
-"""Another mask is: a mapper that has less room for predicates, or bank stalls that are not as they
-are estimated, cost as much (at 0.988 heat-3d takes 1.04 times, at 0.968 outer_product 1.34).
+_MASKED = 0.97
+"""Another mask is, if that is not for stalls alone: predicates leave a mapper less room (at 0.988
+heat-3d takes 1.04 times), and stalls may be others (at 0.968 outer_product takes 1.34 times).
 """
 
 _MOST_TRIES = 40
@@ -273,7 +273,9 @@ class _Climb:
             if loop.factor == 1 or describe(tree) in self._tried:
                 continue
             made = self._made(tree) if is_legal(tree, self.relations) else None
-            if made is not None and made.cycles < _MASKED * best.cycles:
+            if made is None or made.cycles >= _MASKED * best.cycles:
+                continue
+            if made.estimate.least < best.estimate.least:
                 best = self._tried[describe(tree)] = made
 
     def _with_loads(self, best: Restructured) -> Iterator[Restructured]:
