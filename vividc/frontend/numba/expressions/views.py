@@ -357,26 +357,19 @@ def followed_views(py_func: Callable[..., Any], args: tuple[Any, ...]) -> Iterat
     kept: dict[Any, Views] = {}
 
     def lower(lowerer: Any, inst: Any) -> None:
-        if lowerer.func_ir.func_id.func is not py_func:
-            outside = _views.set(None), operands.set(None)
-            try:
-                lower_inst(lowerer, inst)
-            finally:
-                _views.reset(outside[0])
-                operands.reset(outside[1])
-            return
-        if lowerer not in kept:
+        is_own = lowerer.func_ir.func_id.func is py_func
+        if is_own and lowerer not in kept:
             kept[lowerer] = Views(lowerer, args)
-        views = kept[lowerer]
-        given = _operands(inst)
-        selected = None if given is None else [views.of(name) for name in given]
-        inside = _views.set(kept), operands.set(selected)
+        given = _operands(inst) if is_own else None
+        selected = None if given is None else [kept[lowerer].of(name) for name in given]
+        before = _views.set(kept if is_own else None), operands.set(selected)
         try:
             lower_inst(lowerer, inst)
         finally:
-            _views.reset(inside[0])
-            operands.reset(inside[1])
-        views.record(inst)
+            _views.reset(before[0])
+            operands.reset(before[1])
+        if is_own:
+            kept[lowerer].record(inst)
 
     Lower.lower_inst = lower
     try:
