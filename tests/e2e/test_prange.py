@@ -76,6 +76,16 @@ def clamped_stencil(x, y):
         y[i] = total
 
 
+@vividc.kernel("void(float32[::1], float32[::1], int32[:, ::1])")
+def mark_spans(first, last, out):
+    """Both ends are pixels of the span, which is cut off at the borders."""
+    for i in prange(out.shape[0]):
+        left = max(np.int32(first[i]), 0)
+        right = min(np.int32(last[i]), out.shape[1] - 1)
+        for j in range(left, right + 1):
+            out[i, j] += 1
+
+
 @vividc.kernel("int32(int32[:, ::1], int32)")
 def count_above(x, limit):
     found = np.int32(7)
@@ -191,6 +201,7 @@ CASES: list[tuple[Any, Callable[[], tuple[Any, ...]]]] = [
     (lookup, lambda: (ints(400, 3000), floats(400, 3), floats(3000, 3))),
     (threshold, lambda: (ints(256, 77, 131, dtype=np.uint8), np.zeros((77, 131), np.uint8), 100)),
     (clamped_stencil, lambda: (floats(5000), floats(5000))),
+    (mark_spans, lambda: (50 * floats(90), 50 + 60 * floats(90), ints(9, 90, 120))),
     (count_above, lambda: (ints(100, 90, 100), 50)),
     (largest, lambda: (floats(20_000),)),
     (wide_total, lambda: (ints(1 << 31, 5000), -(1 << 40))),

@@ -195,10 +195,12 @@ class TermTable:
 
     def _induction(self, phi: Phi, loop: Loop, facts: frozenset[Fact]) -> int:
         moves = induction_of(self._function, loop.blocks, phi)
-        counter = self._counter(loop)
         if moves is None or moves.start is None or moves.update.op is not Opcode.ADD:
             return self._add(Term(ANY, word=WORD_BITS))
-        if counter is None or counter[0].start is None:
+        counter = self._counter(loop)
+        if counter is None:
+            return self._inclusive(moves, moves.start, loop)
+        if counter[0].start is None:
             return self._add(Term(ANY, word=WORD_BITS))
         base, stride, limit = counter
         around = self.facts(loop.header)
@@ -210,6 +212,18 @@ class TermTable:
         return self._add(
             Term(STEPS, (self.of(moves.start, around), self.of(moves.by, around), count))
         )
+
+    def _inclusive(self, moves: Induction, start: Value, loop: Loop) -> int:
+        """The counter of a loop that runs once more where it is at its limit: as if each step were
+        longer by one. One that may wrap may be anything, as the term of a counter is then.
+        """
+        test = header_test(self._function, loop, inclusive=True)
+        around = self.facts(loop.header)
+        for found, step, limit in () if test is None else bounded(self._function, loop, *test):
+            if found.phi.id == moves.phi.id:
+                by = self._add(Term(CONST, word=step + (1 if step > 0 else -1)))
+                return self._add(Term(COUNTER, (self.of(start, around), self.of(limit, around), by)))
+        return self._add(Term(ANY, word=WORD_BITS))
 
     def _goes_on(self, loop: Loop) -> Fact:
         branch = self._blocks[loop.header].branch
