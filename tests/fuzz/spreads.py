@@ -191,6 +191,8 @@ class _Writer:
             f"for j in range(0, {COLS}, 2):",
             "for j in range(w.shape[1]):",
             "for j in range(m & 3):",
+            f"for j in range(x[i] & 3, min(x[i] & 7, {COLS} - 1) + 1):",
+            f"for j in range(min(x[i] & 7, {COLS} - 1), (x[i] & 3) - 1, -1):",
         )
         self.say(depth, line)
         row = self.pick("i", "i", "i", "n - 1 - i") if not self.meets else self.pick("i", "i // 2")

@@ -222,7 +222,9 @@ class TermTable:
         for found, step, limit in () if test is None else bounded(self._function, loop, *test):
             if found.phi.id == moves.phi.id:
                 by = self._add(Term(CONST, word=step + (1 if step > 0 else -1)))
-                return self._add(Term(COUNTER, (self.of(start, around), self.of(limit, around), by)))
+                return self._add(
+                    Term(COUNTER, (self.of(start, around), self.of(limit, around), by))
+                )
         return self._add(Term(ANY, word=WORD_BITS))
 
     def _goes_on(self, loop: Loop) -> Fact:
