@@ -25,6 +25,7 @@ from benchmarks import (
     frames,
     gemm,
     general,
+    graphics,
     large,
     mappers,
     npbench,
@@ -112,11 +113,12 @@ SIMD = "simd"
 PRECISION = "precision"
 FORMATS = "formats"
 LARGE = "large"
+GRAPHICS = "graphics"
 START = "start"
 STAGES = "stages"
 SPLATS = "splats"
 DEFAULT = (*TABLES, ENGINES, FRAMES, QUALITY, FORMATS, GEMM, SIMD, PRECISION)
-CHOICES = (*DEFAULT, LARGE, SPLATS, PAPER, MAPPERS, POLYBENCH, NPBENCH, START, STAGES)
+CHOICES = (*DEFAULT, GRAPHICS, LARGE, SPLATS, PAPER, MAPPERS, POLYBENCH, NPBENCH, START, STAGES)
 """What is not made by default takes long: it is made by name."""
 MODULES = {
     ENGINES: engines,
@@ -124,6 +126,7 @@ MODULES = {
     QUALITY: quality,
     FORMATS: formats,
     SIMD: simd,
+    GRAPHICS: graphics,
     LARGE: large,
     SPLATS: splats,
     START: start,
@@ -132,6 +135,7 @@ MODULES = {
 ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
     ENGINES: engines.rows,
     FRAMES: lambda fabric, _: frames.rows(fabric),
+    GRAPHICS: lambda fabric, _: graphics.rows(fabric),
     LARGE: lambda *_: large.rows(),
     START: start.rows,
     STAGES: stages.rows,
@@ -144,6 +148,7 @@ PLACES = {
     QUALITY: ("float32 on the host",),
     FRAMES: ("vivid",),
     FORMATS: ("any fabric",),
+    GRAPHICS: ("vivid",),
     LARGE: ("vivid",),
     START: ("vivid-tile",),
     STAGES: ("vivid",),
