@@ -106,6 +106,27 @@ def by_index(x, at):
             x[i, j] -= at[at[j] & 63]
 
 
+SQUARES = (np.arange(64) ** 2 % 251).astype(np.int32)
+
+
+@vividc.kernel(f"void({M}, {M})")
+def by_table(x, y):
+    """A nest that looks up constants, and one that does not."""
+    for i in prange(1, x.shape[0]):
+        for j in range(x.shape[1]):
+            y[i, j] = x[i - 1, j] + SQUARES[x[i, j] & 63]
+    for i in range(x.shape[0] - 1):
+        for j in range(x.shape[1]):
+            x[i, j] -= y[i + 1, j]
+
+
+@vividc.kernel(f"void({M})")
+def looked_up(x):
+    for i in prange(x.shape[0]):
+        for j in range(x.shape[1]):
+            x[i, j] = SQUARES[(SQUARES[x[i, j] & 63] + j) & 63]
+
+
 @pytest.fixture(autouse=True)
 def engine() -> None:
     """The engine is of no account here: the other files of this room run jobs on both."""
@@ -134,6 +155,9 @@ ARGUMENTS = [
     (halves, lambda: (ints(75, 301, dtype=np.int16), ints(75, 301, dtype=np.int16))),
     (volume, lambda: (ints(20, 30, 25), ints(20, 30, 25))),
     (by_index, lambda: (ints(80, 128), ints(128))),
+    (by_table, lambda: (ints(61, 300), ints(61, 300))),
+    (by_table, lambda: (ints(3, 8100), ints(3, 8100))),
+    (looked_up, lambda: (ints(20, 9),)),
 ]
 
 

@@ -99,7 +99,10 @@ def _bytes_of(windows: Windows, slack: int) -> int:
 
 @dataclass(frozen=True)
 class NestLaunch:
-    """What is to be cut: a nest with the words of a launch and the counters around it."""
+    """What is to be cut: a nest with the words of a launch and the counters around it.
+
+    `tables`: first byte and end of each constant table in a scratchpad, whose last bytes they are.
+    """
 
     program: Program
     parallel: Parallel
@@ -107,6 +110,7 @@ class NestLaunch:
     arrays: ReadOnly[str, Array]
     flat: frozenset[str]
     machine: Accelerator
+    tables: ReadOnly[str, tuple[int, int]]
 
     @property
     def slack(self) -> int:
@@ -115,8 +119,9 @@ class NestLaunch:
 
     @property
     def room(self) -> int:
-        """Bytes of a scratchpad."""
-        return self.program.fabric.scratchpad.size_bytes
+        """Bytes of a scratchpad before its tables."""
+        size = self.program.fabric.scratchpad.size_bytes
+        return min((start for start, _ in self.tables.values()), default=size)
 
     @property
     def bounds(self) -> tuple[int, int]:

@@ -115,8 +115,13 @@ def _run_cycles(launch: NestLaunch, block: Block) -> int:
     placed = Placed(launch, 0)
     for name, window in launch.windows(block).items():
         placed.add(name, window)
-    words = max(launch.room, placed.end) // WORD_BYTES
-    given = Launch(np.zeros(words, np.uint32), placed.inputs(block), CYCLE_LIMIT, placed.extents())
+    extents = placed.extents()
+    size = launch.program.fabric.scratchpad.size_bytes
+    memory = np.zeros(max(size, placed.end) // WORD_BYTES, np.uint32)
+    for local in launch.program.locals:
+        start, contents = extents[local.name][0] // WORD_BYTES, local.contents or ()
+        memory[start : start + len(contents)] = contents
+    given = Launch(memory, placed.inputs(block), CYCLE_LIMIT, extents)
     try:
         return shared_tile(launch.program).run(given).cycles
     except SimulationError:

@@ -21,7 +21,7 @@ from vividc.errors import ArgumentError
 from vividc.launch.job import Job
 from vividc.launch.tiles.blocks import Array, BlockPlan, NestLaunch, Window
 from vividc.launch.tiles.chosen import Chosen, chosen
-from vividc.launch.tiles.placed import Placed
+from vividc.launch.tiles.placed import Placed, tables_of
 from vividc.machine.parallel import Run
 from vividc.machine.words import WORD_BYTES, WORD_MASK
 from vividc.program import Program
@@ -164,6 +164,7 @@ class _Builder:
         self._arrays = arrays
         self._inputs = inputs
         self._flat = self._flat_arrays(used)
+        self._tables = tables_of(program)
         self._traffic = {
             name: _Traffic(1 if name in self._flat else array.ndim)
             for name, array in arrays.items()
@@ -201,7 +202,8 @@ class _Builder:
         parallel = nest.parallel
         assert parallel is not None
         inputs = {**self._inputs, **counters}
-        launch = NestLaunch(nest, parallel, inputs, self._arrays, self._flat, self._job.accelerator)
+        machine = self._job.accelerator
+        launch = NestLaunch(nest, parallel, inputs, self._arrays, self._flat, machine, self._tables)
         used = {term.key for term in parallel.terms}
         key = (number, tuple(counters[name] for name in sorted(counters) if name in used))
         if key not in self._plans:

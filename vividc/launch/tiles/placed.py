@@ -1,4 +1,6 @@
-"""Windows of a block in a scratchpad: where each lies, and the launch words that say so."""
+"""Windows of a block in a scratchpad, and constant tables at its end: where each lies, and the
+launch words that say so.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +8,21 @@ from dataclasses import dataclass, field
 
 from vividc.launch.tiles.blocks import NestLaunch, Window
 from vividc.machine.words import WORD_BYTES, WORD_MASK
-from vividc.program import pitch_words
+from vividc.program import Program, pitch_words
 from vividc.sim.footprint.boxes import Block, Box
+
+
+def tables_of(program: Program) -> dict[str, tuple[int, int]]:
+    """First byte and end of each constant table of a program's nests, one before the other from the
+    end of a scratchpad: no block of any nest lies where a table of another does.
+    """
+    words = {local.name: local.words for nest in program.nests for local in nest.locals}
+    end = program.fabric.scratchpad.size_bytes
+    found: dict[str, tuple[int, int]] = {}
+    for name, count in words.items():
+        found[name] = (end - WORD_BYTES * count, end)
+        end -= WORD_BYTES * count
+    return found
 
 
 @dataclass
@@ -49,7 +64,7 @@ class Placed:
 
     def extents(self) -> dict[str, tuple[int, int]]:
         """First byte and end of each array; of those that are not touched, nothing."""
-        found = dict.fromkeys(self.launch.arrays, (0, 0))
+        found = dict.fromkeys(self.launch.arrays, (0, 0)) | dict(self.launch.tables)
         for name, window in self.windows.items():
             start = self.starts[name]
             found[name] = (start, start + WORD_BYTES * window.words)
@@ -58,6 +73,7 @@ class Placed:
     def words(self) -> dict[str, int]:
         """Launch words: addresses and pitches."""
         found = {f"&{name}": 0 for name in self.launch.arrays}
+        found |= {f"&{name}": start for name, (start, _) in self.launch.tables.items()}
         pitches = dict.fromkeys(self.launch.program.pitches, 0)
         for name, window in self.windows.items():
             first = WORD_BYTES * self._first(name, window)
