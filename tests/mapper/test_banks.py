@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -219,3 +220,22 @@ def test_what_is_not_mapped_yet_counts_as_if_starts_and_iterations_were_chosen()
     fixed = (((), 16), (("&a",), 1))
     assert Traffic.of(graph(fixed, ((("&a",), 1),)), PAD, 1).stalls() == 1.0
     assert Traffic.of(graph(here, there), PAD, 1, {1: 0, 2: 0}).stalls() == pytest.approx(0.25, 0.3)
+
+
+def test_accesses_that_may_start_at_any_time_start_where_they_meet_fewest_others() -> None:
+    """Six accesses of a bank: in six slots none meet, and some do in slots that are drawn."""
+    rows = [((("&a",), 1), ((), 4 * PAD.banks * row)) for row in range(6)]
+    drawn = Traffic.of(graph(*rows), PAD, 6)
+    assert drawn.stalls() > 0.0
+    assert replace(drawn, spread=True).stalls() == 0.0
+    assert replace(drawn, ii=1, spread=True).stalls() == 5.0
+    guarded = Traffic.of(graph(*rows, guarded=(1, 2, 3, 4, 5, 6)), PAD, 1)
+    assert 2.5 < replace(guarded, spread=True).stalls() < 4.5
+
+
+def test_every_other_dimension_is_a_multiple_of_the_banks() -> None:
+    beside = [((("&a",), 1), (("a.shape1",), 4 * row)) for row in range(2)]
+    step = [((("&a",), 1), (("%x",), 4 * row)) for row in range(2)]
+    times = {1: 0, 2: 0}
+    assert Traffic.of(graph(*beside), PAD, 1, times).stalls() == pytest.approx(0.625, 0.1)
+    assert Traffic.of(graph(*step), PAD, 1, times).stalls() == pytest.approx(0.25, 0.1)

@@ -327,7 +327,7 @@ def compile_stages(
             guard_s *= limit_s / budget.whole.remaining_s
         with guarded(guard_s, grace_s=math.inf if last_resort else 0.0):
             shared = replace(options, time_limit_s=limit_s)
-            before = replace(earlier, hopeless={}) if last_resort else earlier
+            before = replace(earlier, hopeless={}, crowded=set()) if last_resort else earlier
             return _map_stage(stage, estimator, shared, before, last_resort, below)
 
     with limited(options.time_limit_s) as whole:

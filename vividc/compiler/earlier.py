@@ -30,6 +30,8 @@ class Earlier:
         What came of negotiating it anew, by `posed` and how that was done.
     straight
         The schedule of a straight region, or why it has none, by `posed` and `straight_key`.
+    crowded
+        Straight regions, without their names, that had no room but with a frugal schedule.
     hopeless
         Straight regions that nothing could place, by the graph without its name.
     """
@@ -38,6 +40,7 @@ class Earlier:
     searched: dict[Hashable, MapResult] = field(default_factory=dict)
     again: dict[Hashable, Mapping | None] = field(default_factory=dict)
     straight: dict[Hashable, Mapping | MappingFailed] = field(default_factory=dict)
+    crowded: set[DFG] = field(default_factory=set)
     hopeless: dict[DFG, MappingFailed] = field(default_factory=dict)
 
 

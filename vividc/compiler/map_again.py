@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Final, Literal
 
 from vividc.arch.fabric import Fabric
 from vividc.compiler.earlier import posed
@@ -75,6 +75,11 @@ last ones, and each takes 0.1 s.
 _BUDGET_S: Final = 3.0
 """Seconds of effort, at most, for a kernel."""
 
+_Way = Literal["anew", "stay", "open"]
+"""How arrays lie while loops are mapped again: anew for each mapping, where they are, or as suits
+loops whose accesses can start in any cycle.
+"""
+
 
 @dataclass(frozen=True, slots=True)
 class Runs:
@@ -115,15 +120,17 @@ def layout_for(
 def _with_fewer_stalls(
     loops: _Loops, results: ReadOnly[int, MapResult], deadline: Deadline
 ) -> dict[int, MapResult]:
-    """Loops with many stalls mapped again, in two ways, the second if stalls are left: arrays are
-    placed anew for every mapping, as one that stalls where they are may be the best where they
-    could be (lu: 1.09 stalls an iteration or none); or they stay while a loop's mappings are
-    compared, which does not give up a place that the other loops fit (fdtd-2d: 96 or none).
+    """Loops with many stalls mapped again, in up to three ways, the next one if stalls are left:
+    arrays lie as suits loops whose accesses can start in any cycle, where no loop has to stall
+    (fdtd-2d); or they are placed anew for every mapping, as one that stalls where they are may be
+    the best where they could be (lu: 1.09 stalls an iteration or none); or they stay while a loop's
+    mappings are compared, which does not give up a place that the other loops fit.
     """
     best = dict(results)
     first = least = loops.total(best, loops.known(best))
-    for anew in (True, False):
-        tried = _settled(loops, results, deadline, anew, _PAYS * first)
+    ways: tuple[_Way, ...] = ("open", "anew", "stay")
+    for way in ways:
+        tried = _settled(loops, results, deadline, way, _PAYS * first)
         known = loops.known(tried)
         cycles = loops.total(tried, known)
         if cycles < least:
@@ -138,24 +145,25 @@ def _settled(
     loops: _Loops,
     results: ReadOnly[int, MapResult],
     deadline: Deadline,
-    anew: bool,
+    way: _Way,
     least: float,
 ) -> dict[int, MapResult]:
-    """Each loop with many stalls mapped again, the worst first, where it saves cycles; `anew`: see
-    above.
+    """Each loop with many stalls mapped again, the worst first, where it saves cycles; `way`: how
+    arrays lie, see above.
     """
     better = dict(results)
-    known = loops.known(better)
+    known = loops.known_if_open(better) if way == "open" else loops.known(better)
     before = loops.total(better, known)
     stalls = {index: loops.stalls(index, _mapping(better[index]), known) for index in better}
     for index in sorted(stalls, key=lambda index: -stalls[index]):
         if stalls[index] < least or deadline.passed:
             break
-        made = loops.mapped_again(index, better, known, deadline, anew)
+        made = loops.mapped_again(index, better, known, deadline, way == "anew")
         if made is None or made.cycles > before - least:
             continue
         better[index] = replace(better[index], mapping=made.mapping)
-        known = loops.known(better)
+        if way != "open":
+            known = loops.known(better)
         before = loops.total(better, known)
     return better
 
@@ -212,6 +220,15 @@ class _Loops:
     def known(self, results: ReadOnly[int, MapResult]) -> Words:
         """Where arrays start and how far apart their rows lie, as is best for these mappings."""
         traffic = [self.traffic(index, _mapping(result)) for index, result in results.items()]
+        pitches, starts = choose_layout(self.kernel, traffic)
+        return words_of(starts, pitches)
+
+    def known_if_open(self, results: ReadOnly[int, MapResult]) -> Words:
+        """As is best for loops of these IIs whose accesses can start in any cycle."""
+        traffic = [
+            replace(self.traffic(index, _mapping(result)), times=None, spread=True)
+            for index, result in results.items()
+        ]
         pitches, starts = choose_layout(self.kernel, traffic)
         return words_of(starts, pitches)
 

@@ -7,9 +7,10 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from collections.abc import Mapping as ReadOnly
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Literal
 
 from vividc.arch.fabric import Fabric
 from vividc.compiler.delivery import deliver, with_homes
@@ -37,6 +38,11 @@ Progress = Callable[[str], None]
 
 IsLost = Callable[[ReadOnly[int, tuple[int, int]]], bool]
 """Whether a kernel is of no use whose regions have at least these IIs and spans, by index."""
+
+_Thrift = Literal["none", "frugal", "last"]
+"""How entries in constant stores are spared for regions scheduled later: not, as `list_schedule`
+does, or that in the last attempt.
+"""
 
 _SEARCH = "the search for mappings"
 
@@ -98,8 +104,9 @@ def map_kernel(
     Parameters
     ----------
     earlier
-        Keeps what is known from one call to the next. Its straight regions without a mapping are
-        not tried again, though other loops may leave them more room: another kernel does it.
+        Keeps what is known from one call to the next. Its straight regions without a mapping, or
+        with a frugal one only, are not tried again, though other loops may leave them more room:
+        another kernel does it.
     demanded
         Headers of loops without which the rest is of no use.
     runs
@@ -135,10 +142,14 @@ def map_kernel(
         if is_lost({index: min(span, after[index]) for index, span in before.items()}):
             return None
         finish = partial(_with_straight, kernel, fabric, options, runs, earlier, is_lost)
-        try:
-            return finish(chosen, frugal=False)
-        except MappingFailed:  # what the first ones took may be what the last ones need
-            return finish(results, frugal=True)
+        is_crowded = any(unnamed(region.dfg) in earlier.crowded for region in kernel.regions)
+        with suppress(MappingFailed):
+            if not is_crowded:
+                return finish(chosen, "none")
+        with suppress(MappingFailed):  # what the first ones took may be what the last ones need
+            if chosen != results:
+                return finish(chosen, "frugal")
+        return finish(results, "last")
 
 
 def _spans(
@@ -177,11 +188,10 @@ def _with_straight(
     earlier: Earlier,
     is_lost: IsLost,
     results: dict[int, MapResult],
-    *,
-    frugal: bool,
+    thrift: _Thrift,
 ) -> tuple[Kernel, dict[int, MapResult]] | None:
-    """The kernel with deliveries, and the results of loops with those of straight regions; `frugal`
-    as in `list_schedule`. One that fails even so is hopeless.
+    """The kernel with deliveries, and the results of loops with those of straight regions, which
+    are crowded if there is no room for them without thrift, and hopeless in the last attempt.
     """
     results = dict(results)
     loops = {index: mapping_of(result) for index, result in results.items()}
@@ -197,11 +207,12 @@ def _with_straight(
         problem = MapProblem(ready.dfg, fabric, ready.allowed, held)
         try:
             meets = Traffic.of(ready.dfg, fabric.scratchpad, 1).meets(known)
-            scheduled = partial(_scheduled, earlier, pace, meets, frugal=frugal)
+            scheduled = partial(_scheduled, earlier, pace, meets, frugal=thrift != "none")
             results[index] = _map_straight(problem, options, scheduled)
         except MappingFailed as error:
-            if frugal:
+            if thrift == "last":
                 earlier.hopeless[unnamed(region.dfg)] = error
+            earlier.crowded.add(unnamed(region.dfg))
             raise
         if is_lost(_spans(kernel, fabric, results)):
             return None

@@ -13,7 +13,7 @@ from vividc.mapper.resources.banks import Traffic, best_pitches, words_of
 from vividc.ssa.ir import Function
 from vividc.ssa.polyhedral.subscripts import may_be_spaced
 
-PAYS = 0.02
+PAYS = 0.005
 """Share of a run's cycles that a matrix has to save: its pitch is one more word that loops read."""
 
 

@@ -22,7 +22,7 @@ from vividc.dfg.ir import CHANGES, DFG, Node
 from vividc.machine.opcodes import PRED
 from vividc.machine.words import WORD_BYTES
 from vividc.ssa.analysis.polynomial import ITERATION
-from vividc.ssa.ir import pitch_of
+from vividc.ssa.ir import Input, is_dimension, is_pitch, pitch_of
 
 _DRAWN: Final = 512
 """Times that each unknown word is drawn: a mean of 1 stall an iteration is within 0.05."""
@@ -31,6 +31,22 @@ _CHOICES: Final = 8
 """So many ways are drawn to map what is not mapped yet, and to place its arrays: the best counts,
 as a compiler chooses.
 """
+
+_TURNS: Final = 2
+"""Times that each access of what is not mapped yet is given the slot where it meets fewest others:
+a third changes little.
+"""
+
+_ROOM: Final = 1
+"""Slots have room for so many accesses more than if all had equally many: mappers have other things
+to think of, too.
+"""
+
+_CROWDED: Final = 1e-3
+"""What an access that is in a slot already counts there, as a meeting: slots are filled evenly."""
+
+_ALIGNED: Final = 2
+"""One of so many dimensions is a multiple of the banks: powers of two are common."""
 
 _STAGES: Final = 8
 """Accesses of what is not mapped yet are up to so many iterations apart."""
@@ -97,6 +113,8 @@ class Traffic:
         When each access starts, by id; None: any time.
     weight
         How often an iteration runs, compared with those of other regions.
+    spread
+        Whether accesses that start at any time do so where they meet fewest others, not as drawn.
     """
 
     accesses: tuple[Node, ...]
@@ -105,6 +123,7 @@ class Traffic:
     ii: int
     times: Mapping[int, int] | None = None
     weight: float = 1.0
+    spread: bool = False
     _known: dict[object, _Draws] = field(init=False, compare=False, default_factory=dict)
     _stalls: dict[object, float] = field(init=False, compare=False, default_factory=dict)
 
@@ -145,10 +164,44 @@ class Traffic:
             return 0.0
         if self.times is not None:
             return self._stalls_of_slots(accesses, self.times, known)
-        buckets = self.ii * self.banks
-        places = np.stack([self._places(node, known) for node in accesses])
-        waits = _waits(places, buckets, self.banks)
+        if self.spread:
+            places = self._spread_places(accesses, known)
+        else:
+            places = np.stack([self._places(node, known) for node in accesses])
+        waits = _waits(places, self.ii * self.banks, self.banks)
         return float(waits.reshape(_CHOICES, -1).mean(axis=1).min())
+
+    def _spread_places(self, accesses: Sequence[Node], known: Words) -> _Draws:
+        """Slots and banks of accesses, each of which starts where it meets fewest others."""
+        places = np.stack([self._places(node, known) for node in accesses])
+        idle = self.ii * self.banks
+        banks = np.where(places == idle, self.banks, places % self.banks)
+        slots = np.repeat(self._spread_slots(banks), _DRAWN // _CHOICES, axis=1)
+        return np.where(places == idle, idle, slots * self.banks + banks)
+
+    def _spread_slots(self, banks: _Draws) -> _Draws:
+        """The slot of each access (by row) for each choice, one after the other, as mappers place
+        them; what is idle lies in a bank of its own.
+        """
+        number = len(banks)
+        drawn = banks.reshape(number, _CHOICES, -1).swapaxes(0, 1)
+        busy = drawn != self.banks
+        meets = ((drawn == drawn[:, [one]]) & busy for one in range(number))
+        often = np.stack([row.mean(axis=2) for row in meets], axis=1) + _CROWDED
+        every, room = np.arange(_CHOICES), _ROOM + -(-number // self.ii)
+        slots = np.full((number, _CHOICES), -1)
+        costs = np.zeros((_CHOICES, self.ii, number))
+        filled = np.zeros((_CHOICES, self.ii), np.int64)
+        for turn in range(_TURNS):
+            for one in range(number):
+                if turn:
+                    costs[every, slots[one]] -= often[:, one]
+                    filled[every, slots[one]] -= 1
+                cost = costs[:, :, one] + (filled >= room) * number
+                slots[one] = chosen = cost.argmin(axis=1)
+                costs[every, chosen] += often[:, one]
+                filled[every, chosen] += 1
+        return slots
 
     def _stalls_of_slots(
         self, accesses: Sequence[Node], times: Mapping[int, int], known: Words
@@ -348,7 +401,7 @@ def _bank(node: Node, stage: _Draws, banks: int, known: Words, *, is_mapped: boo
     for words, factor in node.address:
         product = np.full(_DRAWN, factor % around)
         for word in words:
-            value = known.get(word, _drawn(word, around))
+            value = known.get(word, _unknown(word, around))
             if word.startswith(CHANGES) and is_mapped:
                 value = _drawn(f"{word} {stage[0]}", around)
             if word == ITERATION.key:
@@ -366,6 +419,15 @@ def _bank(node: Node, stage: _Draws, banks: int, known: Words, *, is_mapped: boo
 def _drawn(word: str, below: int, times: int = _DRAWN) -> _Draws:
     """What an unknown word is, each time."""
     return np.array(Random(word).choices(range(below), k=times), np.int64)
+
+
+@cache
+def _unknown(word: str, around: int) -> _Draws:
+    """As drawn; every other dimension is a multiple of the banks, if rows are not spaced."""
+    value = _drawn(word, around)
+    if is_pitch(Input(word)) or not is_dimension(Input(word)):
+        return value
+    return np.where(_drawn(f"{word} aligned", _ALIGNED) == 0, 0, value)
 
 
 def _chosen(what: str, below: int) -> _Draws:
