@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.fuzz.slices import Search
+from tests.kept import modules_made_anew
 from vividc.frontend.numba.expressions.numbers import Numbers
 
 
@@ -31,5 +32,6 @@ def test_a_wrong_bound_is_found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path)
     monkeypatch.setattr(Numbers, "smaller", lambda self, one, other: other)
     search = Search(tmp_path)
     seeds = iter(range(12))
-    while not search.finds:
-        search.run(next(seeds))
+    with modules_made_anew():
+        while not search.finds:
+            search.run(next(seeds))

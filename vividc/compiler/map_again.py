@@ -126,18 +126,19 @@ def _with_fewer_stalls(
     the best where they could be (lu: 1.09 stalls an iteration or none); or they stay while a loop's
     mappings are compared, which does not give up a place that the other loops fit.
     """
-    best = dict(results)
-    first = least = loops.total(best, loops.known(best))
+    best = tried = dict(results)
+    known = loops.known(tried)
+    first = least = loops.total(tried, known)
     ways: tuple[_Way, ...] = ("open", "anew", "stay")
     for way in ways:
+        left = sum(loops.stalls(index, _mapping(made), known) for index, made in tried.items())
+        if left < _PAYS * first or deadline.passed:
+            break
         tried = _settled(loops, results, deadline, way, _PAYS * first)
         known = loops.known(tried)
         cycles = loops.total(tried, known)
         if cycles < least:
             best, least = tried, cycles
-        left = sum(loops.stalls(index, _mapping(made), known) for index, made in tried.items())
-        if left < _PAYS * first or deadline.passed:
-            break
     return best
 
 
