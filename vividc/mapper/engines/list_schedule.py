@@ -30,6 +30,10 @@ __all__ = ["list_schedule", "straight_lower_bound"]
 
 _NODES_IN_ALL_TRIALS: Final = 1200
 _MAX_TRIALS: Final = 24
+_MANY: Final = 600
+"""More have two trials: a third takes a second or more (830 operations of correlation), and maps
+nothing where two did not.
+"""
 _NEAR: Final = 100
 """Cycles of the bound, for each of which a schedule that ends the trials may be a cycle longer: the
 second trial of 612 operations (trisolv, 230.9 cycles at a bound of 229) takes a second and comes to
@@ -105,7 +109,9 @@ def list_schedule(
 
 
 def _trials(problem: MapProblem) -> int:
-    return max(3, min(_MAX_TRIALS, _NODES_IN_ALL_TRIALS // max(1, len(problem.dfg.placed))))
+    nodes = len(problem.dfg.placed)
+    least = 2 if nodes > _MANY else 3
+    return max(least, min(_MAX_TRIALS, _NODES_IN_ALL_TRIALS // max(1, nodes)))
 
 
 # --- trials ---------------------------------------------------------------------------------------
