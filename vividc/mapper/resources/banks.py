@@ -33,9 +33,7 @@ as a compiler chooses.
 """
 
 _TURNS: Final = 2
-"""Times that each access of what is not mapped yet is given the slot where it meets fewest others:
-a third changes little.
-"""
+"""Times that each access is given the slot where it meets fewest others."""
 
 _ROOM: Final = 1
 """Slots have room for so many accesses more than if all had equally many: mappers have other things
@@ -162,26 +160,35 @@ class Traffic:
     def _stalls_of(self, accesses: Sequence[Node], known: Words) -> float:
         if len(accesses) < 2:  # noqa: PLR2004 - it takes two to meet
             return 0.0
+        buckets = self.ii * self.banks
         if self.times is not None:
             return self._stalls_of_slots(accesses, self.times, known)
         if self.spread:
             places = self._spread_places(accesses, known)
         else:
             places = np.stack([self._places(node, known) for node in accesses])
-        waits = _waits(places, self.ii * self.banks, self.banks)
+        waits = _waits(places, buckets, self.banks)
         return float(waits.reshape(_CHOICES, -1).mean(axis=1).min())
 
     def _spread_places(self, accesses: Sequence[Node], known: Words) -> _Draws:
-        """Slots and banks of accesses, each of which starts where it meets fewest others."""
-        places = np.stack([self._places(node, known) for node in accesses])
-        idle = self.ii * self.banks
-        banks = np.where(places == idle, self.banks, places % self.banks)
+        """Slots and banks of accesses in drawn stages, each of which starts where it meets fewest
+        others.
+        """
+        banks = np.stack([self._spread_bank(node, known) for node in accesses])
         slots = np.repeat(self._spread_slots(banks), _DRAWN // _CHOICES, axis=1)
-        return np.where(places == idle, idle, slots * self.banks + banks)
+        return np.where(banks == self.banks, self.ii * self.banks, slots * self.banks + banks)
+
+    def _spread_bank(self, node: Node, known: Words) -> _Draws:
+        """What is idle lies in a bank of its own."""
+        stage = _chosen(f"stage {node.id}", _STAGES)
+        bank = _bank(node, stage, self.banks, known, is_mapped=False)
+        if node.id not in self.predicated:
+            return bank
+        return np.where(_drawn("predicate", _IDLE) == 0, self.banks, bank)
 
     def _spread_slots(self, banks: _Draws) -> _Draws:
         """The slot of each access (by row) for each choice, one after the other, as mappers place
-        them; what is idle lies in a bank of its own.
+        them.
         """
         number = len(banks)
         drawn = banks.reshape(number, _CHOICES, -1).swapaxes(0, 1)
