@@ -225,8 +225,9 @@ class _Loops:
         return words_of(starts, pitches)
 
     def known_if_open(self, results: ReadOnly[int, MapResult]) -> Words:
-        """As is best for loops of these IIs whose accesses can start in any cycle. Stages are drawn:
-        with those of the mappings there are, PolyBench takes 1.02 times as long."""
+        """As is best for loops of these IIs whose accesses can start in any cycle, of stages
+        that are drawn: with those of their mappings PolyBench takes 1.02 times as long.
+        """
         traffic = [
             replace(self.traffic(index, _mapping(result)), times=None, spread=True)
             for index, result in results.items()
