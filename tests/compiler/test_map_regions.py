@@ -14,6 +14,7 @@ from vividc import arch
 from vividc.arch.fabric import Fabric
 from vividc.compiler import map_regions
 from vividc.compiler.driver import lower
+from vividc.compiler.earlier import Earlier
 from vividc.compiler.map_regions import MapOptions, map_kernel
 from vividc.dfg.regions import Kernel
 from vividc.errors import MappingFailed
@@ -57,6 +58,36 @@ def test_straight_regions_that_leave_no_room_are_scheduled_again(
     a = np.arange(12, dtype=np.float32).reshape(3, 4)
     vividc.simulate(program, a)
     assert a[:, 0].tolist() == [6.0, 22.0, 38.0]
+
+
+def test_straight_regions_that_were_crowded_are_scheduled_frugally_at_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """In the next kernel that has them, as in another stage of a plan."""
+    tried: list[bool] = []
+
+    def crowded(
+        problem: MapProblem, goes_on: Callable[[], bool], *, frugal: bool, meets: Meets
+    ) -> Mapping:
+        tried.append(frugal)
+        if not frugal:
+            raise MappingFailed("no constant store has room")
+        return list_schedule(problem, goes_on, frugal=frugal, meets=meets)
+
+    monkeypatch.setattr(map_regions, "list_schedule", crowded)
+    kernel, fabric, earlier = lower(sums), machine(32), Earlier()
+    first = map_kernel(kernel, fabric, MapOptions(), earlier)
+    assert tried[:2] == [False, True]
+    assert len(earlier.crowded) == 1
+    assert not earlier.hopeless
+    tried.clear()
+    earlier.straight.clear()
+    second = map_kernel(kernel, fabric, MapOptions(), earlier)
+    assert tried
+    assert all(tried)
+    assert isinstance(first, tuple)
+    assert isinstance(second, tuple)
+    assert [r.ii for r in first[1].values()] == [r.ii for r in second[1].values()]
 
 
 @vividc.kernel("void(float32[::1], float32[::1], float32[:, ::1], float32, float32)")
