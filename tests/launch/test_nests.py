@@ -16,6 +16,8 @@ from vividc.frontend import KernelFunction
 from vividc.launch import nests_cycles, nests_job
 from vividc.launch.steps import Execute
 from vividc.launch.tiles import nests
+from vividc.launch.tiles.placed import table_extents
+from vividc.machine.params import LocalArray
 from vividc.program import Program, from_bytes
 
 M, V, C = "int32[:, ::1]", "int32[::1]", "int32[:, :, ::1]"
@@ -125,6 +127,16 @@ def looked_up(x):
     for i in prange(x.shape[0]):
         for j in range(x.shape[1]):
             x[i, j] = SQUARES[(SQUARES[x[i, j] & 63] + j) & 63]
+
+
+def test_arrays_of_one_name_share_the_place_of_the_largest() -> None:
+    """At the end of a scratchpad, with the words that they have at launch."""
+    program = vividc.compile(by_table, fabric="vivid", loops=vividc.LoopOptions(auto=False))
+    own = [(LocalArray("a", 2), LocalArray("b", 0, size=("u:n", 2, "*"))), (LocalArray("a", 5),)]
+    changed = [replace(n, locals=made) for n, made in zip(program.nests, own, strict=True)]
+    end = program.fabric.scratchpad.size_bytes
+    placed = table_extents(replace(program, nests=tuple(changed)), {"n": 3})
+    assert placed == {"a": (end - 20, end), "b": (end - 44, end - 20)}
 
 
 @pytest.fixture(autouse=True)

@@ -172,8 +172,7 @@ class _State:
         memory = self._pads[step.tile]
         for local in step.program.locals:
             if local.contents:
-                start = step.extents[local.name][0] // 4
-                memory[start : start + len(local.contents)] = local.contents
+                local.fill(memory, step.extents[local.name][0])
         return Launch(memory.copy(), step.inputs, cycle_limit, step.extents)
 
     def finish(self, number: int, step: Step, run: Run) -> None:

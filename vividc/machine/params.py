@@ -6,9 +6,14 @@ import operator
 from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import TYPE_CHECKING
 
 from vividc.errors import SourceLoc
 from vividc.machine.words import SIGN_BIT, WORD_BITS, WORD_BYTES, WORD_MASK
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 MAX_DIMENSION = 1 << 14
 """No dimension of words may be larger: ranges of indices are proved with `Param.limit`, a launch
@@ -175,6 +180,12 @@ class LocalArray:
     contents: tuple[int, ...] | None = None
     size: tuple[str | int, ...] = ()
     loops: tuple[SourceLoc, ...] = field(default=(), compare=False)
+
+    def fill(self, memory: NDArray[np.uint32], address: int) -> None:
+        """Write the contents of a constant table that lies at a byte address of a scratchpad."""
+        if self.contents:
+            start = address // WORD_BYTES
+            memory[start : start + len(self.contents)] = self.contents
 
     def at_launch(self, inputs: Mapping[str, int]) -> LocalArray:
         """The array with the words it has for these inputs."""

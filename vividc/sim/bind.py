@@ -230,9 +230,7 @@ def _place_local(
     local: LocalArray, address: int, memory: NDArray[np.uint32], inputs: dict[str, int]
 ) -> None:
     inputs[f"&{local.name}"] = address
-    if local.contents:
-        start = address // 4
-        memory[start : start + len(local.contents)] = local.contents
+    local.fill(memory, address)
 
 
 def returned(dtype: DType, word: int) -> int | float | bool:

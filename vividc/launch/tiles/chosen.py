@@ -119,8 +119,7 @@ def _run_cycles(launch: NestLaunch, block: Block) -> int:
     size = launch.program.fabric.scratchpad.size_bytes
     memory = np.zeros(max(size, placed.end) // WORD_BYTES, np.uint32)
     for local in launch.program.locals:
-        start, contents = extents[local.name][0] // WORD_BYTES, local.contents or ()
-        memory[start : start + len(contents)] = contents
+        local.fill(memory, extents[local.name][0])
     given = Launch(memory, placed.inputs(block), CYCLE_LIMIT, extents)
     try:
         return shared_tile(launch.program).run(given).cycles

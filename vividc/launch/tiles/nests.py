@@ -21,7 +21,7 @@ from vividc.errors import ArgumentError
 from vividc.launch.job import Job
 from vividc.launch.tiles.blocks import Array, BlockPlan, NestLaunch, Window
 from vividc.launch.tiles.chosen import Chosen, chosen
-from vividc.launch.tiles.placed import Placed, tables_of
+from vividc.launch.tiles.placed import Placed, table_extents
 from vividc.machine.parallel import Run
 from vividc.machine.words import WORD_BYTES, WORD_MASK
 from vividc.program import Program
@@ -164,7 +164,7 @@ class _Builder:
         self._arrays = arrays
         self._inputs = inputs
         self._flat = self._flat_arrays(used)
-        self._tables = tables_of(program)
+        self._tables = table_extents(program, inputs)
         self._traffic = {
             name: _Traffic(1 if name in self._flat else array.ndim)
             for name, array in arrays.items()

@@ -4,6 +4,7 @@ launch words that say so.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from vividc.launch.tiles.blocks import NestLaunch, Window
@@ -12,11 +13,14 @@ from vividc.program import Program, pitch_words
 from vividc.sim.footprint.boxes import Block, Box
 
 
-def tables_of(program: Program) -> dict[str, tuple[int, int]]:
-    """First byte and end of each constant table of a program's nests, one before the other from the
-    end of a scratchpad: no block of any nest lies where a table of another does.
+def table_extents(program: Program, inputs: Mapping[str, int]) -> dict[str, tuple[int, int]]:
+    """First byte and end of each constant table of a program's nests, and of each array of their
+    own, one before the other from the end of a scratchpad: no block of any nest lies where a table
+    of another does. Arrays of the same name share a place, the size of the largest.
     """
-    words = {local.name: local.words for nest in program.nests for local in nest.locals}
+    words: dict[str, int] = {}
+    for local in (local.at_launch(inputs) for nest in program.nests for local in nest.locals):
+        words[local.name] = max(local.words, words.get(local.name, 0))
     end = program.fabric.scratchpad.size_bytes
     found: dict[str, tuple[int, int]] = {}
     for name, count in words.items():

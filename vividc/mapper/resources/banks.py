@@ -160,14 +160,13 @@ class Traffic:
     def _stalls_of(self, accesses: Sequence[Node], known: Words) -> float:
         if len(accesses) < 2:  # noqa: PLR2004 - it takes two to meet
             return 0.0
-        buckets = self.ii * self.banks
         if self.times is not None:
             return self._stalls_of_slots(accesses, self.times, known)
         if self.spread:
             places = self._spread_places(accesses, known)
         else:
             places = np.stack([self._places(node, known) for node in accesses])
-        waits = _waits(places, buckets, self.banks)
+        waits = _waits(places, self.ii * self.banks, self.banks)
         return float(waits.reshape(_CHOICES, -1).mean(axis=1).min())
 
     def _spread_places(self, accesses: Sequence[Node], known: Words) -> _Draws:

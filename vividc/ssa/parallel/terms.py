@@ -214,14 +214,17 @@ class TermTable:
         )
 
     def _inclusive(self, moves: Induction, start: Value, loop: Loop) -> int:
-        """The counter of a loop that runs once more where it is at its limit: as if each step were
-        longer by one. One that may wrap may be anything, as the term of a counter is then.
+        """The counter of a loop that runs once more where it is at its limit: as if steps might be
+        longer by one, so that nobody takes it for one whose values are known. One that may wrap may
+        be anything, as the term of a counter is then.
         """
         test = header_test(self._function, loop, inclusive=True)
         around = self.facts(loop.header)
         for found, step, limit in () if test is None else bounded(self._function, loop, *test):
             if found.phi.id == moves.phi.id:
-                by = self._add(Term(CONST, word=step + (1 if step > 0 else -1)))
+                longer = step + (1 if step > 0 else -1)
+                steps = tuple(self._add(Term(CONST, word=by)) for by in (step, longer))
+                by = self._add(Term(UNION, steps))
                 return self._add(
                     Term(COUNTER, (self.of(start, around), self.of(limit, around), by))
                 )
