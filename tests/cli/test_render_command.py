@@ -12,9 +12,8 @@ from PIL import Image
 
 from vividc.cli import main
 from vividc.render import Camera, Scene, read_views
-from vividc.render.array import ArrayFrame, ArrayOptions, Ledger, open_device
+from vividc.render.array import ArrayFrame, ArrayOptions, open_device
 from vividc.render.array.device.launch import Launch, Move
-from vividc.render.array.device.launches import run_launches
 
 MIC = Path(__file__).parents[2] / "scenes" / "mic"
 
@@ -174,12 +173,12 @@ def test_a_frame_of_the_array_is_told_stage_by_stage(monkeypatch: pytest.MonkeyP
 def drawn(scene: Scene, camera: Camera, options: ArrayOptions, *tell: object) -> ArrayFrame:
     """A frame of one job, half of it simulated."""
     tell[1]("compiling saxpy")
-    ledger = Ledger()
     device = open_device(options.fabric)
     y = np.zeros(8, np.float32)
     parts = {"x": (Move(y.copy()),), "y": (Move(y),)}
     launch = Launch({"x": (8,), "y": (8,)}, parts, scalars={"a": 1.0, "n": 8})
-    run_launches(device, ledger, "colour network", "saxpy:saxpy", [launch])
+    device.run("colour network", "saxpy:saxpy", [launch])
+    ledger = device.settle()
     ledger.count(colour_samples=1, density_samples=4)
     image = np.ones((camera.height, camera.width, 3), np.float32)
     seen = np.zeros((camera.height, camera.width), np.bool_)

@@ -9,49 +9,58 @@ from typing import Any
 import numpy as np
 
 from vividc import KernelFunction
-from vividc.render.array import Ledger
+from vividc.render.array import Device
+from vividc.render.array.device.blocks import in_blocks
 from vividc.render.array.device.launch import Gathered, Launch, Move
+from vividc.render.array.device.launches import Phase
 from vividc.render.array.device.programs import kernel_folder, kernel_module
-from vividc.render.array.network.networks import in_blocks
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.radiance import March
 
 
-class Host:
-    """A device whose programs are the kernels themselves: numba runs them, none is mapped."""
-
-    tiles = 16
-    scratchpad_bytes = 32768
-    line_bytes = 32
-
-    @property
-    def programs(self) -> Host:
-        return self
+class _Kernels:
+    """Programs that are the kernels themselves."""
 
     def get(self, kernel: str, **options: object) -> KernelFunction:
         path, _, name = kernel.partition(":")
         found: KernelFunction = getattr(kernel_module(kernel_folder() / f"{path}.py"), name)
         return found
 
-    def spread(
-        self, ledger: Ledger, stage: str, kernel: str, *arguments: object, **options: object
-    ) -> None:
-        with ledger.timed(stage):
-            self.get(kernel)(*arguments)
+
+class Host(Device):
+    """A device of which numba runs the kernels: none is mapped, and no stage takes cycles."""
+
+    tiles = 16
+    scratchpad_bytes = 32768
+    line_bytes = 32
+
+    def __init__(self) -> None:
+        super().__init__(_Kernels())  # type: ignore[arg-type]
+
+    def spread(self, stage: str, kernel: str, *arguments: object) -> None:
+        with self.ledger.timed(stage):
+            self.programs.get(kernel)(*arguments)
+
+    def run_phases(self, stage: str, phases: Sequence[Phase]) -> list[list[list[int]]]:
+        if not any(any(phase.shares) for phase in phases):
+            return super().run_phases(stage, phases)
+        with self.ledger.timed(stage):
+            return [self._run(phase) for phase in phases]
+
+    def _run(self, phase: Phase) -> list[list[int]]:
+        assert len(phase.shares) <= self.tiles
+        if phase.kernel is None:
+            return [[_copied(launch) for launch in share] for share in phase.shares]
+        function: Any = self.programs.get(phase.kernel)
+        found = [[_launched(self, function, launch) for launch in share] for share in phase.shares]
+        self.ledger.count(words_read_by_host=sum(map(len, found)))
+        return found
 
 
-def launch_by_numba(
-    host: Host,
-    ledger: Ledger,
-    stage: str,
-    kernel: str,
-    shares: Sequence[Sequence[Launch]],
-    **options: object,
-) -> list[list[int]]:
-    function = host.get(kernel)
-    assert len(shares) <= host.tiles
-    with ledger.timed(stage):
-        return [[_launched(host, function, launch) for launch in share] for share in shares]
+def _copied(launch: Launch) -> int:
+    for name, array in launch.outputs.items():
+        array[...] = _rows(launch.inputs[name])
+    return 0
 
 
 def _launched(host: Host, function: KernelFunction, launch: Launch) -> int:
@@ -105,15 +114,9 @@ def _rows(array: np.ndarray | Gathered) -> np.ndarray:
     return array.table[array.indices] if isinstance(array, Gathered) else array
 
 
-def gather_by_numba(
-    host: Host, ledger: Ledger, stage: str, table: np.ndarray, rows: Sequence[np.ndarray]
-) -> np.ndarray:
-    return np.concatenate([table[part] for part in rows])
-
-
 @dataclass
 class HostKept:
-    """One piece of samples that survive, with what fields ask for: `field.Kept`."""
+    """One piece of samples that survive, with what fields ask for: `records.Kept`."""
 
     where: Float32Array
     computed: np.ndarray
@@ -124,7 +127,7 @@ class HostKept:
     def lengths(self) -> list[int]:
         return [len(self.where)]
 
-    def points(self) -> tuple[Float32Array, Int32Array]:
+    def located(self) -> tuple[Float32Array, Int32Array]:
         return self.where, self.rays
 
     def features(self) -> np.ndarray:

@@ -10,9 +10,14 @@ from vividc.render.array.device.programs import Programs
 
 
 @pytest.fixture(scope="session")
-def device() -> Device:
+def mapped() -> Programs:
     """Kernels are mapped with little effort: it costs cycles, of which no test here asks how many,
     and no result depends on it.
     """
-    machine = vividc.arch.load_accelerator("vivid")
-    return Device(Programs(machine, common={"effort": "fast"}))
+    return Programs(vividc.arch.load_accelerator("vivid"), common={"effort": "fast"})
+
+
+@pytest.fixture
+def device(mapped: Programs) -> Device:
+    """It has booked nothing yet."""
+    return Device(mapped)

@@ -4,15 +4,11 @@ boxes, the kernels as numba runs them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 import pytest
 
-from tests.render.array.by_numba import Host, launch_by_numba
+from tests.render.array.by_numba import Host
 from vividc.render import Camera
-from vividc.render.array import Ledger
-from vividc.render.array.device.frame import Stage
 from vividc.render.array.device.programs import kernel_folder, kernel_module
 from vividc.render.array.march import depths
 from vividc.render.array.march.bricks import pack_bricks
@@ -91,14 +87,7 @@ def everywhere(corners: np.ndarray) -> Blocks:
 
 
 @pytest.fixture
-def host(monkeypatch: pytest.MonkeyPatch) -> Host:
-    def run(
-        host: Host, ledger: Ledger, stage: str, kernel: str, launches: Sequence, **options: object
-    ) -> None:
-        launch_by_numba(host, ledger, stage, kernel, [launches])
-        ledger.stages[stage] = Stage(stage)
-
-    monkeypatch.setattr(depths, "run_launches", run)
+def host() -> Host:
     return Host()
 
 
@@ -108,11 +97,10 @@ def test_no_sample_is_lost(seed: int, host: Host) -> None:
     march = random_march(rng)
     camera = random_camera(rng, march)
     corners = block_corners(camera)
-    ledger = Ledger()
-    blocks = seen_blocks(host, ledger, march, camera, corners)
+    blocks = seen_blocks(host, march, camera, corners)
     expected = samples(march, camera, everywhere(corners))
     found = samples(march, camera, blocks)
     assert {place: sorted(items) for place, items in found.items()} == {
         place: sorted(items) for place, items in expected.items()
     }
-    assert ledger.stages[depths.STAGE].whole
+    assert host.ledger.stages[depths.STAGE].whole

@@ -10,8 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.render.array.by_numba import Host, gather_by_numba, launch_by_numba, samples_of
-from vividc.gemm import Layer
+from tests.render.array.by_numba import Host, samples_of
 from vividc.render import (
     SceneError,
     psnr,
@@ -21,12 +20,10 @@ from vividc.render import (
     scaled_camera,
 )
 from vividc.render.array import ArrayField, ArrayOptions, Device, Ledger, render_array
-from vividc.render.array.device import block_map, lookups
-from vividc.render.array.models import instant_ngp, tensorf
 from vividc.render.array.models.hash_encoding import hash_encoding as encoding_of
 from vividc.render.array.models.instant_ngp import InstantNGPField
 from vividc.render.array.models.tensorf import TensoRFField
-from vividc.render.array.network.networks import dense_layer, run_network, tpu_mode
+from vividc.render.array.network.networks import dense_layer, network
 from vividc.render.array.network.systolic import run_systolic
 from vividc.render.radiance.layers import linear
 
@@ -49,32 +46,27 @@ METHODS = {
 
 
 @pytest.fixture
-def host(monkeypatch: pytest.MonkeyPatch) -> Host:
-    for module in (block_map, lookups):
-        monkeypatch.setattr(module, "run_shares", launch_by_numba)
-    for module in (instant_ngp, tensorf):
-        monkeypatch.setattr(module, "gather_rows", gather_by_numba)
+def host() -> Host:
     return Host()
 
 
-def assert_like_reference(method: Method, device: object, count: int) -> Ledger:
+def assert_like_reference(method: Method, device: Device, count: int) -> Ledger:
     model = read_scene(MIC / method.file)[1]
     points, directions = samples_of(model.march, count)
-    ledger = Ledger()
     field = method.make(model, device)
-    thickness, features = field.density(points, ledger)
+    thickness, features = field.density(points)
     exact, exact_features = model.density(points, linear)
     np.testing.assert_allclose(thickness, exact, rtol=method.thickness, atol=1e-6)
     np.testing.assert_allclose(features, exact_features, atol=method.features)
     rays = np.arange(count, dtype=np.int32)
-    colour = field.colour(points, exact_features, rays, directions, ledger)
+    colour = field.colour(exact_features, points, rays, directions)
     np.testing.assert_allclose(
         colour, model.colour(points, exact_features, directions, linear), atol=5e-5
     )
     assert field.march is model.march
     assert field.weight_min == model.weight_min
     assert field.transmittance_min == model.transmittance_min
-    return ledger
+    return device.settle()
 
 
 @pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
@@ -89,14 +81,14 @@ def test_a_sample_does_not_depend_on_the_others(method: Method, host: Host) -> N
     model = read_scene(MIC / method.file)[1]
     points, directions = samples_of(model.march, 200)
     field = method.make(model, host)
-    thickness, features = field.density(points, Ledger())
+    thickness, features = field.density(points)
     some = np.arange(3, 200, 7)
-    fewer, fewer_features = field.density(points[some], Ledger())
+    fewer, fewer_features = field.density(points[some])
     np.testing.assert_array_equal(fewer, thickness[some])
     np.testing.assert_array_equal(fewer_features, features[some])
     rays = np.arange(200, dtype=np.int32)
-    whole = field.colour(points, features, rays, directions, Ledger())
-    part = field.colour(points[some], features[some], rays[some], directions, Ledger())
+    whole = field.colour(features, points, rays, directions)
+    part = field.colour(features[some], points[some], rays[some], directions)
     np.testing.assert_array_equal(part, whole[some])
 
 
@@ -105,10 +97,10 @@ def test_no_samples_at_all(method: Method, host: Host) -> None:
     model = read_scene(MIC / method.file)[1]
     field = method.make(model, host)
     none = np.zeros((0, 3), np.float32)
-    thickness, features = field.density(none, Ledger())
+    thickness, features = field.density(none)
     assert thickness.shape == (0,)
     rays = np.zeros(0, np.int32)
-    assert field.colour(none, features, rays, none, Ledger()).shape == (0, 3)
+    assert field.colour(features, none, rays, none).shape == (0, 3)
 
 
 @pytest.mark.slow
@@ -134,10 +126,9 @@ def test_cells_are_gathered_once_a_chunk(host: Host) -> None:
     """Samples of one cell in every level take one cell's rows in each."""
     model = read_scene(MIC / "mic_ngp_hash.npz")[1]
     points = np.repeat(samples_of(model.march, 1)[0], 128, axis=0)
-    ledger = Ledger()
     out = np.zeros((8, 32, 16), np.float32)
-    encoding_of(model, None).encode(host, ledger, "encoding", points, out)
-    assert ledger.counts["encoded_cells"] == len(model.levels)
+    encoding_of(model, None).encode(host, "encoding", points, out)
+    assert host.ledger.counts["encoded_cells"] == len(model.levels)
 
 
 @pytest.mark.parametrize("scale", [None, np.float32(64)])
@@ -148,14 +139,14 @@ def test_samples_with_more_cells_than_there_is_room_for_go_in_halves(
     model = read_scene(MIC / "mic_ngp_hash.npz")[1]
     model = replace(model, levels=model.levels[9:])
     points = np.random.default_rng(5).permutation(samples_of(model.march, 2000)[0])
-    encoding, ledger = encoding_of(model, scale), Ledger()
+    encoding = encoding_of(model, scale)
     width = encoding.features if scale is None else encoding.features // 4
     whole = np.zeros((125, width, 16), np.float32)
-    encoding.encode(host, ledger, "encoding", points, whole)
-    assert ledger.counts["words_read_by_host"] > 4 * -(-2000 // 128)
+    encoding.encode(host, "encoding", points, whole)
+    assert host.ledger.counts["words_read_by_host"] > 4 * -(-2000 // 128)
     apart = np.zeros((1, width, 16), np.float32)
     for block in (0, 60, 124):
-        encoding.encode(host, ledger, "", points[16 * block : 16 * block + 16], apart)
+        encoding.encode(host, "", points[16 * block : 16 * block + 16], apart)
         np.testing.assert_array_equal(apart[0].view(np.uint32), whole[block].view(np.uint32))
     if scale is None:
         np.testing.assert_array_equal(whole[:, -4:-2], whole[:, -2:])
@@ -188,44 +179,35 @@ def test_a_box_outside_the_cube_is_refused() -> None:
         encoding_of(replace(model, cube_side=model.cube_side / 2), None)
 
 
-@pytest.mark.parametrize("groups", [None, 3])
 @pytest.mark.parametrize("sizes", [(5, 9, 3), (150, 128, 3), (64, 64)])
-def test_networks_equal_numpy(sizes: tuple[int, ...], groups: int | None, host: Host) -> None:
+def test_networks_equal_numpy(sizes: tuple[int, ...], host: Host) -> None:
     rng = np.random.default_rng(1)
-    lead = () if groups is None else (groups,)
-    weights = [rng.standard_normal((*lead, *pair)).astype(np.float32) for pair in pairwise(sizes)]
-    biases = [rng.standard_normal((*lead, size)).astype(np.float32) for size in sizes[1:]]
-    chosen = None if groups is None else np.sort(rng.integers(0, groups, 40)).astype(np.int32)
+    weights = [rng.standard_normal(pair).astype(np.float32) for pair in pairwise(sizes)]
+    biases = [rng.standard_normal(size).astype(np.float32) for size in sizes[1:]]
     x = rng.standard_normal((40, sizes[0], 16)).astype(np.float32)
     layers = [dense_layer(w, b, relu=True) for w, b in zip(weights, biases, strict=True)]
-    found = run_network(host, Ledger(), "network", layers, x, chosen)
+    found = network(layers, "fp32").run(host, "network", x)
     values = x.transpose(0, 2, 1)
     for weight, bias in zip(weights, biases, strict=True):
-        own = weight if chosen is None else weight[chosen]
-        shift = bias if chosen is None else bias[chosen][:, None]
-        values = np.maximum(values @ own + shift, 0)
-    np.testing.assert_allclose(
-        found.transpose(0, 2, 1)[..., : sizes[-1]], values, rtol=1e-4, atol=1e-3
-    )
+        values = np.maximum(values @ weight + bias, 0)
+    np.testing.assert_allclose(found.transpose(0, 2, 1), values, rtol=1e-4, atol=1e-3)
 
 
 def test_a_network_of_many_samples_runs_in_the_mode_of_fewer_cycles(device: Device) -> None:
     weights = [np.zeros(pair, np.float32) for pair in ((32, 64), (64, 16))]
-    layers = [dense_layer(weight) for weight in weights]
-    products = [Layer(weight) for weight in weights]
-    assert tpu_mode(device, layers, products, 100) is None
-    assert tpu_mode(device, layers, products, 32_768) in ("tpu-unified", "tpu-partitioned")
+    net = network([dense_layer(weight) for weight in weights], "fp32")
+    assert net.mode(device, 100) is None
+    assert net.mode(device, 32_768) in ("tpu-unified", "tpu-partitioned")
     for mode, expected in (("gpu", None), ("tpu-unified",) * 2, ("tpu-partitioned",) * 2):
-        assert tpu_mode(replace(device, mode=mode), layers, products, 32_768) == expected
+        assert net.mode(replace(device, mode=mode), 32_768) == expected
 
 
 @pytest.mark.slow
 def test_both_modes_give_the_same_bits(device: Device) -> None:
     rng = np.random.default_rng(2)
     weights = [rng.standard_normal(pair).astype(np.float32) for pair in ((12, 24), (24, 5))]
-    layers = [dense_layer(weight, relu=True) for weight in weights]
-    products = [Layer(weight, activation="relu") for weight in weights]
+    net = network([dense_layer(weight, relu=True) for weight in weights], "fp32")
     blocks = rng.standard_normal((20, 12, 16)).astype(np.float32)
-    on_tiles = run_network(device, Ledger(), "network", layers, blocks)
-    joined = run_systolic(device, Ledger(), "network", products, blocks, "tpu-unified")
+    on_tiles = net.run(device, "network", blocks)
+    joined = run_systolic(device, "network", net.layers, blocks, "tpu-unified")
     np.testing.assert_array_equal(on_tiles, joined)

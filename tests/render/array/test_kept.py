@@ -5,21 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.render.array.by_numba import Host, launch_by_numba
-from vividc.render.array import Ledger
-from vividc.render.array.device import launches
-from vividc.render.array.march.kept import KeptSamples
+from tests.render.array.by_numba import Host
 from vividc.render.array.pieces import RAYS, Rays, Survivors
+from vividc.render.array.records import Kept
 
 KERNEL = "render/instant_ngp:colour_inputs_fp8"
 
 
 @pytest.mark.parametrize("width", [4, 5])
-def test_words_of_rays_and_rows_of_survivors_in_blocks(
-    width: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_words_of_rays_and_rows_of_survivors_in_blocks(width: int) -> None:
     """More of a piece than a launch has room for, none of another, all and one of others."""
-    monkeypatch.setattr(launches, "run_shares", launch_by_numba)
     rng = np.random.default_rng(3)
     sizes, counts = (700, 40, 16, 90), (500, 0, 16, 1)
     rows = rng.integers(0, 1 << 32, (sum(sizes), width), dtype=np.uint32)
@@ -32,7 +27,7 @@ def test_words_of_rays_and_rows_of_survivors_in_blocks(
         none = np.zeros(count, np.int32)
         pieces.append(
             Survivors(
-                *(number * RAYS, 0, True, samples, items),
+                *(number, number * RAYS, 0, True, samples, items),
                 *(slice(first, first + size), none, none.astype(np.float32)),
             )
         )
@@ -43,7 +38,7 @@ def test_words_of_rays_and_rows_of_survivors_in_blocks(
     table = np.zeros((len(of_rays), 3), np.float32)
     rays_of_batch = Rays(table, table[:, 0], np.zeros(len(table), np.uint32))
     given = (np.zeros(16, np.float32), rays_of_batch, pieces, rows, True)
-    kept = KeptSamples(Host(), Ledger(), *given)  # type: ignore[arg-type]
+    kept = Kept(Host(), *given)
     assert kept.lengths == list(counts)
     found = kept.in_blocks(KERNEL, of_rays, 4 + width)
     np.testing.assert_array_equal(found, np.concatenate(expected))

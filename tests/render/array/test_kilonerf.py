@@ -9,17 +9,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.render.array.by_numba import Host, launch_by_numba, samples_of
+from tests.render.array.by_numba import Host, samples_of
 from vividc.errors import ArgumentError
 from vividc.render import SceneError, psnr, read_scene, read_views, render_reference, scaled_camera
-from vividc.render.array import ArrayOptions, Ledger, open_device, render_array
-from vividc.render.array.device import launches
+from vividc.render.array import ArrayOptions, RenderPrecision, open_device, render_array
 from vividc.render.array.device.programs import kernel_folder, kernel_module
-from vividc.render.array.march.kept import KeptSamples, ListedSamples
 from vividc.render.array.models.grouping import Grouping, parts_of, runs_of
-from vividc.render.array.models.kilonerf import KiloNeRFOnArray, by_coordinate
-from vividc.render.array.models.kilonerf_fp8 import Fp8KiloNeRF
+from vividc.render.array.models.kilonerf import KiloNeRFField
+from vividc.render.array.models.kilonerf_fp32 import by_coordinate
 from vividc.render.array.pieces import RAYS, Piece, Rays, Survivors, survivors_of
+from vividc.render.array.records import Kept, Listed
 from vividc.render.radiance import KiloNeRF
 from vividc.render.radiance.kilonerf import positional_encoding
 from vividc.render.radiance.layers import linear
@@ -123,10 +122,10 @@ def test_runs_of_several_pieces() -> None:
 
 def test_a_scratchpad_counts_all_networks_or_ranges_of_them(model: KiloNeRF) -> None:
     """Of 274 and of 3,288 networks; pieces have room for what each launch holds."""
-    few = Grouping(model, Host())  # type: ignore[arg-type]
+    few = Grouping(model, Host())
     assert [low for low, _ in few._ranges] == [-1]
     many = replace(model, weights=tuple(np.repeat(w, 12, axis=0) for w in model.weights))
-    grouping = Grouping(many, Host())  # type: ignore[arg-type]
+    grouping = Grouping(many, Host())
     assert grouping.most_samples < few.most_samples
     assert len(grouping._ranges) > 1
     assert sum(count for _, count in grouping._ranges) == 12 * len(model.weights[0]) + 1
@@ -152,7 +151,10 @@ def _one_a_ray(points: np.ndarray) -> tuple[Rays, list[Piece]]:
     rays = Rays(directions, entries, np.zeros(len(directions), np.uint32))
     items = np.arange(count, dtype=np.int32) % RAYS << 16
     firsts = range(0, count, RAYS)
-    return rays, [Piece(first, 0, True, first, items[first : first + RAYS]) for first in firsts]
+    return rays, [
+        Piece(number, first, 0, True, first, items[first : first + RAYS])
+        for number, first in enumerate(firsts)
+    ]
 
 
 def _survivors(pieces: list[Piece], chosen: np.ndarray) -> list[Survivors]:
@@ -167,31 +169,26 @@ def _survivors(pieces: list[Piece], chosen: np.ndarray) -> list[Survivors]:
 
 
 @pytest.mark.slow  # numba takes its time for the networks
-@pytest.mark.parametrize("make", [KiloNeRFOnArray, Fp8KiloNeRF])
-def test_fields_are_near_the_reference(
-    model: KiloNeRF, make: type[KiloNeRFOnArray], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(launches, "run_shares", launch_by_numba)
+@pytest.mark.parametrize("precision", ["fp32", "fp8"])
+def test_fields_are_near_the_reference(model: KiloNeRF, precision: RenderPrecision) -> None:
     points, _ = samples_of(model.march, 500)
     rays, pieces = _one_a_ray(points)
     geometry = np.zeros(16, np.float32)
     geometry[14] = 1
     host = Host()
-    field = make(model, host)  # type: ignore[arg-type]
-    listed = ListedSamples(host, Ledger(), geometry, rays, pieces)  # type: ignore[arg-type]
-    found = field.densities(listed, Ledger())
+    field = KiloNeRFField(model, host, precision)
+    found = field.densities(Listed(host, geometry, rays, pieces))
     assert found.places is not None
     thickness = found.thickness[_in_batch(found.places, pieces)]
     exact, exact_features = model.density(points, linear)
     seen = rays.directions[: len(points)]
     truth = model.colour(points, exact_features, seen, linear)
-    bound = 1e-4 if make is KiloNeRFOnArray else 0.3
+    bound = 1e-4 if precision == "fp32" else 0.3
     assert np.abs(np.exp(-thickness) - np.exp(-exact)).mean() < bound / 4
     colours = []
     for chosen in (np.arange(500), np.sort(np.random.default_rng(9).choice(500, 100, False))):
         some = _survivors(pieces, chosen)
-        given = (host, Ledger(), geometry, rays, some, found.features, True)
-        rgb = field.colours(KeptSamples(*given), Ledger())  # type: ignore[arg-type]
+        rgb = field.colours(Kept(host, geometry, rays, some, found.features, True))
         assert rgb.places is not None
         colours.append(np.concatenate(rgb.of_pieces)[_in_batch(rgb.places, some)])
         assert np.abs(colours[-1] - truth[chosen]).mean() < bound / 4
@@ -226,7 +223,7 @@ def test_a_grid_that_fits_no_scratchpad_finds_its_networks(model: KiloNeRF) -> N
     large = replace(model, network=grid)
     box = model.march.box
     points = np.random.default_rng(3).uniform(box[0], box[1], (1500, 3)).astype(np.float32)
-    networks = Grouping(large, open_device("vivid"))._numbers(points, Ledger())
+    networks = Grouping(large, open_device("vivid"))._numbers(points)
     np.testing.assert_array_equal(networks, large.cells_of(points)[0])
 
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from vividc.render import SceneError
-from vividc.render.array import Device, Ledger
+from vividc.render.array import Device
 from vividc.render.array.device.gather import gather_rows
 from vividc.render.array.device.launch import Launch, Move
-from vividc.render.array.device.launches import Phase, dealt, in_turn, run_launches, run_phases
+from vividc.render.array.device.launches import Phase, dealt, in_turn
 from vividc.render.array.device.places import Places
 
 KERNEL = "saxpy:saxpy"
@@ -34,31 +34,29 @@ def test_every_launch_runs_once(device: Device, shared: bool) -> None:
     xs = [rng.random(30, dtype=np.float32) for _ in range(3)]
     ys = [rng.random(30, dtype=np.float32) for _ in range(40)]
     expected = [y + np.float32(2) * xs[i * 3 // 40] for i, y in enumerate(ys)]
-    ledger = Ledger()
     launches = [launch(xs[i * 3 // 40], y, shared=shared) for i, y in enumerate(ys)]
-    returned = run_launches(device, ledger, "test", KERNEL, launches)
+    returned = device.run("test", KERNEL, launches)
     np.testing.assert_allclose(ys, expected, rtol=1e-6)
     assert returned == [0] * 40
-    stage = ledger.stages["test"]
+    stage = device.ledger.stages["test"]
     assert (stage.jobs, stage.runs) == (1, 40)
     moved_in = 40 * 120 if shared else 80 * 120
     assert stage.stats[0]["bytes"]["scratchpad_in"] >= moved_in
 
 
 def test_arrays_that_all_launches_share_leave_dram_once(device: Device) -> None:
-    x, ledger = np.arange(900, dtype=np.float32), Ledger()
+    x = np.arange(900, dtype=np.float32)
     ys = [np.zeros(900, np.float32) for _ in range(20)]
-    run_launches(device, ledger, "test", KERNEL, [launch(x, y, shared=True) for y in ys])
+    device.run("test", KERNEL, [launch(x, y, shared=True) for y in ys])
     np.testing.assert_array_equal(ys, [2 * x] * 20)
-    moved = ledger.stages["test"].stats[0]["bytes"]
+    moved = device.ledger.stages["test"].stats[0]["bytes"]
     assert moved["dram_wanted"] == 3600 * (1 + 2 * 20)
     assert moved["scratchpad_in"] == 3600 * (16 + 20)
 
 
 def test_no_launches_are_no_job(device: Device) -> None:
-    ledger = Ledger()
-    assert run_launches(device, ledger, "test", KERNEL, []) == []
-    assert not ledger.stages
+    assert device.run("test", KERNEL, []) == []
+    assert not device.ledger.stages
 
 
 def test_launches_of_one_group_stay_on_a_tile() -> None:
@@ -100,17 +98,16 @@ def test_sums_are_carried_on_and_leave_after_the_last_launch(device: Device) -> 
                 )
             )
     expected[:, :, :3] += left[:, :, None]
-    ledger = Ledger()
-    run_launches(device, ledger, "test", "render/marching:accumulate", launches)
+    device.run("test", "render/marching:accumulate", launches)
     np.testing.assert_allclose(out, expected, rtol=1e-5)
-    moved = ledger.stages["test"].stats[0]["bytes"]
+    moved = device.ledger.stages["test"].stats[0]["bytes"]
     assert moved["scratchpad_out"] == out.nbytes
 
 
 def test_what_does_not_fit_is_told_with_its_sizes(device: Device) -> None:
     x = np.zeros(5000, np.float32)
     with pytest.raises(SceneError, match=r"needs \d+ bytes of a scratchpad of 32768: x 20000"):
-        run_launches(device, Ledger(), "test", KERNEL, [launch(x, x.copy())])
+        device.run("test", KERNEL, [launch(x, x.copy())])
 
 
 @pytest.mark.parametrize("banks", [4, 8, 32])
@@ -136,25 +133,24 @@ def test_rows_are_gathered_in_pieces(device: Device) -> None:
     rng = np.random.default_rng(4)
     table = rng.random((50, 7), dtype=np.float32)
     rows = [rng.integers(0, 50, n).astype(np.int32) for n in (3, 0, 700)]
-    ledger = Ledger()
     np.testing.assert_array_equal(
-        gather_rows(device, ledger, "test", table, rows), table[np.concatenate(rows)]
+        gather_rows(device, "test", table, rows), table[np.concatenate(rows)]
     )
-    assert gather_rows(device, ledger, "other", table, []).shape == (0, 7)
-    assert list(ledger.stages) == ["test"]
+    assert gather_rows(device, "other", table, []).shape == (0, 7)
+    assert list(device.ledger.stages) == ["test"]
 
 
 def test_a_phase_reads_what_the_one_before_wrote(device: Device) -> None:
     """40 launches, each of a tile that runs the second phase of another one's part, too."""
-    x, ledger = np.arange(30, dtype=np.float32), Ledger()
+    x = np.arange(30, dtype=np.float32)
     ys, zs = (np.ones((40, 30), np.float32) for _ in range(2))
     first = [launch(x, y, shared=True) for y in ys]
     second = [launch(y, z) for y, z in zip(ys[::-1], zs[::-1], strict=True)]
     phases = [Phase(KERNEL, in_turn(some, device.tiles)) for some in (first, second)]
-    run_phases(device, ledger, "test", phases)
+    device.run_phases("test", phases)
     np.testing.assert_array_equal(ys, np.tile(1 + 2 * x, (40, 1)))
     np.testing.assert_array_equal(zs, 1 + 2 * ys)
-    assert (ledger.stages["test"].jobs, ledger.stages["test"].runs) == (1, 80)
+    assert (device.ledger.stages["test"].jobs, device.ledger.stages["test"].runs) == (1, 80)
 
 
 def test_what_is_carried_on_may_start_with_something(device: Device) -> None:
@@ -173,7 +169,6 @@ def test_what_is_carried_on_may_start_with_something(device: Device) -> None:
         for one in own
         for _ in range(4)
     ]
-    ledger = Ledger()
-    run_launches(device, ledger, "test", KERNEL, launches)
+    device.run("test", KERNEL, launches)
     np.testing.assert_array_equal(sums, expected)
-    assert ledger.stages["test"].stats[0]["bytes"]["scratchpad_out"] == sums.nbytes
+    assert device.ledger.stages["test"].stats[0]["bytes"]["scratchpad_out"] == sums.nbytes

@@ -10,11 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.render.array.by_numba import Host, gather_by_numba, launch_by_numba
+from tests.render.array.by_numba import Host
 from vividc.render import Camera, SceneError, psnr, read_scene, read_views, scaled_camera
 from vividc.render.array import ArrayOptions, Device, Ledger
-from vividc.render.array.device import launches
-from vividc.render.array.march import kept
 from vividc.render.array.march.batches import render_blocks
 from vividc.render.array.march.depths import block_corners
 from vividc.render.array.models.field import PointField
@@ -38,21 +36,16 @@ class HostField(PointField):
     """A reference model as an `ArrayField`."""
 
     def __init__(self, model: RadianceField, march: March | None = None) -> None:
-        super().__init__(model)
+        super().__init__(model, Host())
         self.model = model
         self.march = march or model.march
 
-    def density(self, points: np.ndarray, ledger: Ledger) -> tuple[np.ndarray, np.ndarray]:
+    def density(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         thickness, features = self.model.density(points, linear)
         return thickness, np.ascontiguousarray(features)
 
     def colour(
-        self,
-        points: np.ndarray,
-        features: np.ndarray,
-        rays: np.ndarray,
-        directions: np.ndarray,
-        ledger: Ledger,
+        self, features: np.ndarray, points: np.ndarray, rays: np.ndarray, directions: np.ndarray
     ) -> np.ndarray:
         return self.model.colour(points, features, directions[rays], linear)
 
@@ -60,26 +53,19 @@ class HostField(PointField):
 class NarrowField(HostField):
     """Its features are two words of each point."""
 
-    def density(self, points: np.ndarray, ledger: Ledger) -> tuple[np.ndarray, np.ndarray]:
-        thickness, _ = super().density(points, ledger)
+    def density(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        thickness, _ = super().density(points)
         return thickness, np.ascontiguousarray(points[:, :2])
 
     def colour(
-        self,
-        points: np.ndarray,
-        features: np.ndarray,
-        rays: np.ndarray,
-        directions: np.ndarray,
-        ledger: Ledger,
+        self, features: np.ndarray, points: np.ndarray, rays: np.ndarray, directions: np.ndarray
     ) -> np.ndarray:
         np.testing.assert_array_equal(features, points[:, :2])
         return np.abs(points)
 
 
 @pytest.fixture
-def host(monkeypatch: pytest.MonkeyPatch) -> Host:
-    monkeypatch.setattr(launches, "run_shares", launch_by_numba)
-    monkeypatch.setattr(kept, "gather_rows", gather_by_numba)
+def host() -> Host:
     return Host()
 
 
@@ -96,11 +82,9 @@ def camera() -> Camera:
 def rendered(
     device: Device, field: HostField, camera: Camera, **options: bool | float
 ) -> tuple[np.ndarray, Ledger]:
-    ledger = Ledger()
-    corners = block_corners(camera)
-    chosen = ArrayOptions(**options)
-    image = render_blocks(device, field, camera, corners, options=chosen, ledger=ledger)
-    return image, ledger
+    return render_blocks(
+        device, field, camera, block_corners(camera), options=ArrayOptions(**options)
+    )
 
 
 @pytest.mark.slow  # the tests below have numba run the kernels

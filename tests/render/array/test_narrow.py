@@ -9,13 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.render.array.by_numba import (
-    Host,
-    HostKept,
-    gather_by_numba,
-    launch_by_numba,
-    samples_of,
-)
+from tests.render.array.by_numba import Host, HostKept, samples_of
 from vividc.formats import E4M3, F16, FORMATS, Format, round_array, to_floats
 from vividc.gemm import Layer
 from vividc.gemm.packed import packed
@@ -30,19 +24,15 @@ from vividc.render import (
 from vividc.render.array import (
     ArrayField,
     ArrayOptions,
-    Ledger,
     RenderPrecision,
     open_device,
     render_array,
 )
-from vividc.render.array.device import block_map, lookups
-from vividc.render.array.models import instant_ngp, tensorf
 from vividc.render.array.models.instant_ngp import InstantNGPField
 from vividc.render.array.models.tensorf import TensoRFField
-from vividc.render.array.network import narrow
+from vividc.render.array.network import networks
 from vividc.render.array.network.calibration import exponents, largest_inputs
-from vividc.render.array.network.narrow import Network, network
-from vividc.render.array.network.networks import dense_layer
+from vividc.render.array.network.networks import Network, dense_layer, network
 from vividc.render.array.network.systolic import Choice
 from vividc.render.arrays import Float32Array
 from vividc.render.radiance.layers import linear
@@ -54,18 +44,13 @@ Make = Callable[..., ArrayField]
 
 @pytest.fixture
 def host(monkeypatch: pytest.MonkeyPatch) -> Host:
-    for module in (block_map, lookups):
-        monkeypatch.setattr(module, "run_shares", launch_by_numba)
-    for module in (instant_ngp, tensorf):
-        monkeypatch.setattr(module, "gather_rows", gather_by_numba)
-    monkeypatch.setattr(narrow, "tpu_choice", lambda *_: Choice("tpu-unified", 1))
-    monkeypatch.setattr(narrow, "run_systolic", systolic_by_numpy)
+    monkeypatch.setattr(networks, "tpu_choice", lambda *_: Choice("tpu-unified", 1))
+    monkeypatch.setattr(networks, "run_systolic", systolic_by_numpy)
     return Host()
 
 
 def systolic_by_numpy(
     device: Host,
-    ledger: Ledger,
     stage: str,
     layers: Sequence[Layer],
     blocks: Float32Array,
@@ -137,9 +122,9 @@ def test_tiles_round_as_the_formats_do(precision: RenderPrecision, inputs: int, 
     blocks = net.room(5)
     blocks[:, :inputs] = 3 * rng.standard_normal((5, inputs, 16))
     assert blocks.shape == (5, net.features, 16)
-    found = net.rounded(host, Ledger(), "rounding", blocks)
+    found = net.rounded(host, "rounding", blocks)
     rows = (blocks * net.scale).transpose(0, 2, 1).reshape(80, -1)
-    exact = packed(rows, net.narrow[0].precision).reshape(5, 16, -1).transpose(0, 2, 1)
+    exact = packed(rows, net.layers[0].precision).reshape(5, 16, -1).transpose(0, 2, 1)
     assert found.tobytes() == np.ascontiguousarray(exact).tobytes()
 
 
@@ -152,20 +137,20 @@ def test_narrow_fields_are_near_the_reference(
     model = read_scene(MIC / file)[1]
     points, directions = samples_of(model.march, 200)
     field = make(model, host, precision)
-    thickness, features = field.density(points, Ledger())
+    thickness, features = field.density(points)
     exact, exact_features = model.density(points, linear)
     rays = np.arange(200, dtype=np.int32)
-    (colour,) = field.colours(HostKept(points, features, rays, directions), Ledger()).of_pieces
+    (colour,) = field.colours(HostKept(points, features, rays, directions)).of_pieces
     truth = model.colour(points, exact_features, directions, linear)
     bound = {"fp16": 2e-3, "fp8": 0.12}[precision]
     assert np.abs(colour - truth).mean() < bound / 4
     assert np.abs(colour - truth).max() < bound
     np.testing.assert_allclose(thickness, exact, rtol=8 * bound, atol=1e-4)
     some = np.arange(3, 200, 7)
-    fewer, fewer_features = field.density(points[some], Ledger())
+    fewer, fewer_features = field.density(points[some])
     np.testing.assert_array_equal(fewer, thickness[some])
     less = HostKept(points[some], fewer_features, rays[some], directions)
-    (part,) = field.colours(less, Ledger()).of_pieces
+    (part,) = field.colours(less).of_pieces
     np.testing.assert_array_equal(part, colour[some])
 
 
@@ -179,11 +164,10 @@ def test_features_that_fill_no_words_are_filled_up(host: Host) -> None:
     )
     points, directions = samples_of(odd.march, 40)
     exact = odd.colour(points, odd.density(points, linear)[1], directions, linear)
-    ledger = Ledger()
     field = InstantNGPField(odd, host, "fp8")
     rays = np.arange(40, dtype=np.int32)
-    kept = HostKept(points, field.density(points, ledger)[1], rays, directions)
-    (found,) = field.colours(kept, ledger).of_pieces
+    kept = HostKept(points, field.density(points)[1], rays, directions)
+    (found,) = field.colours(kept).of_pieces
     assert np.abs(found - exact).max() < 0.12
 
 
@@ -191,8 +175,8 @@ def test_an_accelerator_without_modes_is_refused() -> None:
     net: Network = network([dense_layer(np.ones((4, 4)))], "fp8", [1.0])
     device = open_device("vivid-unit")
     with pytest.raises(SceneError, match="vivid-unit cannot run layers of fp8 numbers"):
-        net.run(device, Ledger(), "network", net.words(2))
-    assert net.run(device, Ledger(), "network", net.words(0)).shape == (0, 2, 16)
+        net.run(device, "network", net.words(2))
+    assert net.run(device, "network", net.words(0)).shape == (0, 2, 16)
     for file, make in FIELDS.items():  # before anything is rendered
         with pytest.raises(SceneError, match="vivid-unit cannot run layers of fp8 numbers"):
             make(read_scene(MIC / file)[1], device, "fp8")

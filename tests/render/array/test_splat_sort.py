@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from vividc.render import Projection, SceneError, bin_and_sort
-from vividc.render.array import Device, Ledger
+from vividc.render.array import Device
 from vividc.render.array.splats.project import DeviceSplats
 from vividc.render.array.splats.sort import sort_on_array
 from vividc.render.splat.splat import Splats
@@ -48,21 +48,20 @@ def on_device(projection: Projection, columns: int, rows: int, gap: int) -> Devi
 def check(device: Device, projection: Projection, width: int, height: int, gap: int = 0) -> None:
     columns, rows = -(-width // 16), -(-height // 16)
     splats = on_device(projection, columns, rows, gap)
-    ledger = Ledger()
-    lists = sort_on_array(device, ledger, splats, columns, rows)
+    lists = sort_on_array(device, splats, columns, rows)
     expected = bin_and_sort(projection, width, height)
     held = CHUNK - gap
     slots = expected.order // held * CHUNK + expected.order % held
     np.testing.assert_array_equal(lists.start, expected.start)
     np.testing.assert_array_equal(lists.slots, slots)
-    assert set(ledger.stages) == {"sorting", "binning"}
+    assert set(device.settle().stages) == {"sorting", "binning"}
 
 
 def test_more_splats_than_can_be_sorted_are_refused(device: Device) -> None:
     one = on_device(projected(*np.ones((4, 1))), 1, 1, 0)
     many = replace(one, counts=(4_194_305,))
     with pytest.raises(SceneError, match="4194305 splats are seen, and the array sorts 4194304"):
-        sort_on_array(device, Ledger(), many, 1, 1)
+        sort_on_array(device, many, 1, 1)
 
 
 def test_lists_and_ties_are_in_the_order_of_the_reference(device: Device) -> None:

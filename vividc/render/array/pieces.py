@@ -41,6 +41,8 @@ class Piece:
 
     Attributes
     ----------
+    number
+        Among all pieces.
     first_ray
         Of the block: a number in the batch.
     turn
@@ -53,11 +55,15 @@ class Piece:
         [n] int32 as in kernels/render/marching.py.
     """
 
+    number: int
     first_ray: int
     turn: int
     is_last: bool
     first: int
     items: Int32Array
+
+    def __len__(self) -> int:
+        return len(self.items)
 
     @property
     def samples(self) -> slice:
@@ -91,19 +97,19 @@ class Survivors(Piece):
 
 def total(pieces: Sequence[Piece]) -> int:
     """Return the samples of all pieces."""
-    return sum(len(piece.items) for piece in pieces)
+    return sum(map(len, pieces))
 
 
 def pieces_of(blocks: Sequence[Sequence[Int32Array]], most: int) -> Iterator[Piece]:
     """Yield pieces of at most so many samples of blocks, of each its lists of items; a block
     without any has none.
     """
-    first = 0
-    for number, lists in enumerate(blocks):
+    first = count = 0
+    for block, lists in enumerate(blocks):
         cut = [part for items in lists for part in np.array_split(items, -(-len(items) // most))]
         for turn, items in enumerate(cut):
-            yield Piece(number * RAYS, turn, turn == len(cut) - 1, first, items)
-            first += len(items)
+            yield Piece(count, block * RAYS, turn, turn == len(cut) - 1, first, items)
+            first, count = first + len(items), count + 1
 
 
 def survivors_of(
@@ -118,7 +124,7 @@ def survivors_of(
     for piece, count in zip(pieces, counts, strict=True):
         head = slice(piece.first, piece.first + count)
         yield Survivors(
-            *(piece.first_ray, piece.turn, piece.is_last, first),
+            *(piece.number, piece.first_ray, piece.turn, piece.is_last, first),
             *(items[head], piece.samples, numbers[head], weights[head]),
         )
         first += count

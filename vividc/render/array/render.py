@@ -7,7 +7,7 @@ from collections.abc import Callable
 from vividc.errors import demand_callable, demand_type
 from vividc.host.watch import to_tell
 from vividc.render.array.device.device import open_device
-from vividc.render.array.device.frame import ArrayFrame, Ledger
+from vividc.render.array.device.frame import ArrayFrame
 from vividc.render.array.march.batches import render_blocks
 from vividc.render.array.march.crew import Work
 from vividc.render.array.march.depths import block_corners
@@ -84,14 +84,12 @@ def render_array(
         return render_splats(scene, camera, options, progress, device)
     device, field = open_field(scene, options, tell)
     corners = _sampled_corners(field.march, camera, options.sample)
-    ledger = Ledger()
-    image = render_blocks(
+    image, ledger = render_blocks(
         device,
         field,
         camera,
         corners,
         options=options,
-        ledger=ledger,
         progress=progress,
         work=Work(scene, camera, options),
     )

@@ -1,7 +1,7 @@
 """The accelerator as a renderer sees it.
 
-In order: `programs` (kernels compiled when first needed, and kept), `device`; `launch` (what a run
-takes and leaves), `places` and `launches` (a job of launches, of one or several kernels); `gather`,
-`block_map` and `lookups` (rows by index, kernels over blocks, kernels that ask for rows), `frame`
-(what each stage cost).
+In order: `kernels` and `programs` (how kernels are compiled, and that they are kept); `launch`
+(what a run takes and leaves), `places`, `launches` (a job of launches, of one or several kernels),
+`frame` (what each stage cost) and `device`, which is given jobs; `blocks`, `gather` and `lookups`
+(kernels over blocks, rows by index, kernels that ask for rows).
 """

@@ -3,28 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TypeVar
+from typing import Final, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
-from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.launch import Gathered, Launch
-from vividc.render.array.device.launches import in_turn, run_shares
+from vividc.render.array.device.launches import in_turn
 
 Word = TypeVar("Word", bound=np.generic)
 
-_MOST_ROWS = 128
+_MOST_ROWS: Final = 128
 
 
 def gather_rows(
-    device: Device,
-    ledger: Ledger,
-    stage: str,
-    table: npt.NDArray[Word],
-    rows: Sequence[npt.NDArray[np.int32]],
+    device: Device, stage: str, table: npt.NDArray[Word], rows: Sequence[npt.NDArray[np.int32]]
 ) -> npt.NDArray[Word]:
     """Return `table[rows]` for the rows of all pieces, one after the other.
 
@@ -48,5 +43,5 @@ def gather_rows(
                 Launch(inputs={"rows": Gathered(table, chosen)}, outputs={"rows": target})
             )
             done += len(chosen)
-    run_shares(device, ledger, stage, None, in_turn(launches, device.tiles))
+    device.run_shares(stage, None, in_turn(launches, device.tiles))
     return result

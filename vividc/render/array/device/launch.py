@@ -101,7 +101,7 @@ class Launch:
     scalars
         The other arguments.
     cost
-        How long it takes, in any unit: `run_launches` deals out by it.
+        How long it takes, in any unit: `Device.run` deals out by it.
     """
 
     shapes: Mapping[str, tuple[int, ...]] = field(default_factory=dict)

@@ -14,8 +14,7 @@ import vividc
 from vividc.launch import At, Job, Listed
 from vividc.launch.turns import Turns, deal
 from vividc.machine.words import WORD_BYTES
-from vividc.render.array.device.device import Device
-from vividc.render.array.device.frame import Ledger
+from vividc.render.array.device.kernels import Options
 from vividc.render.array.device.launch import (
     Gathered,
     Launch,
@@ -36,76 +35,18 @@ class Phase:
 
     kernel: str | None
     shares: Shares
-    options: Mapping[str, object] = field(default_factory=dict)
+    options: Options = field(default_factory=dict)
 
 
-def run_launches(
-    device: Device,
-    ledger: Ledger,
-    stage: str,
-    kernel: str,
-    launches: Sequence[Launch],
-    **options: object,
-) -> list[int]:
-    """Run launches on all tiles in one job, dealt out by cost, and return what each returned.
-
-    Parameters
-    ----------
-    options
-        Of `vividc.compile`.
-
-    Returns
-    -------
-    By launch; 0 of a kernel that returns nothing.
-
-    Raises
-    ------
-    SceneError
-        A launch does not fit the scratchpad.
-    """
-    numbers = dealt(launches, device.tiles)
-    shares = [[launches[number] for number in share] for share in numbers]
-    returned = [0] * len(launches)
-    by_share = run_shares(device, ledger, stage, kernel, shares, **options)
-    for share, values in zip(numbers, by_share, strict=True):
-        for number, value in zip(share, values, strict=True):
-            returned[number] = value
-    return returned
-
-
-def run_shares(
-    device: Device,
-    ledger: Ledger,
-    stage: str,
-    kernel: str | None,
-    shares: Shares,
-    **options: object,
-) -> list[list[int]]:
-    """Run each tile's share of launches as one job, book it, and return what each returned.
-
-    Outputs are updated in place. Parameters and errors as of `run_launches`.
-    """
-    return run_phases(device, ledger, stage, [Phase(kernel, shares, options)])[0]
-
-
-def run_phases(
-    device: Device, ledger: Ledger, stage: str, phases: Sequence[Phase]
+def add_phases(
+    job: Job, programs: Sequence[vividc.Program | None], phases: Sequence[Phase]
 ) -> list[list[list[int]]]:
-    """As `run_shares`, of several phases in one job: launches of a phase may read what the phases
-    before have written, and a tile goes on to the next phase when its own part is done.
+    """Add phases with their programs to a job: launches of a phase may read what the phases before
+    have written, and a tile goes on to the next phase when its own part is done. Return the last
+    step of each launch.
     """
-    if not any(any(phase.shares) for phase in phases):
-        return [[[] for _ in phase.shares] for phase in phases]
-    job = device.new_job()
-    programs = [
-        device.programs.get(phase.kernel, **phase.options) if phase.kernel else None
-        for phase in phases
-    ]
-    with ledger.timed(stage):
-        graph = _Graph(device, job)
-        runs = [graph.add(*pair) for pair in zip(programs, phases, strict=True)]
-    values = device.finish(ledger, stage, job).values
-    return [[[int(values.get(run) or 0) for run in share] for share in shares] for shares in runs]
+    graph = _Graph(job)
+    return [graph.add(*pair) for pair in zip(programs, phases, strict=True)]
 
 
 def dealt(launches: Sequence[Launch], tiles: int) -> list[list[int]]:
@@ -140,14 +81,14 @@ class _Graph:
     another tile's second launch before its first.
     """
 
-    def __init__(self, device: Device, job: Job) -> None:
-        self._device, self._job = device, job
+    def __init__(self, job: Job) -> None:
+        self._job = job
         self._ends: dict[int, list[int]] = {}
         self._left: list[tuple[Words, int]] = []
 
     def add(self, program: vividc.Program | None, phase: Phase) -> list[list[int]]:
         """Add a phase; return the last run of each launch."""
-        scratchpad = self._device.programs.machine.fabric.scratchpad
+        scratchpad = self._job.accelerator.fabric.scratchpad
         name, room = "copies", scratchpad.size_bytes
         wishes: Mapping[str, int] = {}
         if program is not None:

@@ -5,19 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import chain
-from typing import Final, TypeVar
+from typing import TypeVar
 
-from vividc import LoopOptions
 from vividc.launch.turns import neighbours
+from vividc.render.array.device.blocks import BLOCK
 from vividc.render.array.device.device import Device
-from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.launch import Launch
-from vividc.render.array.device.launches import run_shares
 from vividc.render.arrays import Float32Array
-
-BLOCK: Final = 16
-"""Points are in blocks of so many: a run is a multiple."""
-_LOOPS: Final = LoopOptions(auto=False)
 
 Table = TypeVar("Table")
 
@@ -44,9 +38,32 @@ class Part:
         return self.cut(-(-len(self.points) // (2 * BLOCK)) * BLOCK)
 
 
+def sizes_for(
+    words: int, of_cell: int, of_sample: int, least: Callable[[int], int]
+) -> tuple[int, int]:
+    """Return how many samples a launch of which there are two at a time has, in whole blocks, and
+    for how many cells there is room then: as many samples as leave room for enough cells.
+
+    Parameters
+    ----------
+    words
+        Of a scratchpad that two launches share.
+    of_cell, of_sample
+        Words of each in both launches together.
+    least
+        Cells that so many samples shall have room for.
+    """
+    samples, cells = BLOCK, least(BLOCK)
+    for more in range(BLOCK, words, BLOCK):
+        room = (words - of_sample * more) // of_cell
+        if room < least(more):
+            break
+        samples, cells = more, room
+    return samples, cells
+
+
 def run_lookups(
     device: Device,
-    ledger: Ledger,
     stage: str,
     kernel: str,
     work: Sequence[tuple[Table, Part]],
@@ -68,8 +85,7 @@ def run_lookups(
         launches = [launch(table, part) for table, part in work]
         by_tile = neighbours(len(launches), device.tiles)
         shares = [launches[first:last] for first, last in by_tile]
-        cells = [*chain(*run_shares(device, ledger, stage, kernel, shares, loops=_LOOPS))]
-        ledger.count(words_read_by_host=len(cells))
+        cells = [*chain(*device.run_shares(stage, kernel, shares))]
         total += sum(count for count in cells if count <= room)
         again = [one for one, count in zip(work, cells, strict=True) if count > room]
         halves = {id(part): part.halves() for _, part in again}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 import sys
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
 from hashlib import sha256
@@ -16,6 +16,7 @@ from typing import Final
 import vividc
 from vividc.errors import TimeLimit, VividcWarning
 from vividc.program import kept
+from vividc.render.array.device.kernels import Options, options_of
 from vividc.render.errors import SceneError
 
 _PACKAGE: Final = Path(vividc.__file__).resolve().parent
@@ -27,9 +28,6 @@ _AGAIN: Final = "run it again when the machine is less busy; programs already co
 _PATIENCE: Final = 100.0
 """Times the limit that the clock allows: on a busy machine the words are to be the same. Ten times
 30 s were over on two cores at a load of 8 while `splat_footprints` was mapped."""
-
-Options = Mapping[str, object]
-"""Keywords of `vividc.compile`."""
 
 
 @dataclass(slots=True)
@@ -48,7 +46,7 @@ class Programs:
     mapping_s
         Seconds for mapping a kernel.
     common
-        Options of `vividc.compile` for kernels whose stages give none of their own.
+        Options of `vividc.compile` for kernels that have none of their own.
     """
 
     machine: vividc.arch.Accelerator
@@ -63,7 +61,7 @@ class Programs:
         Parameters
         ----------
         options
-            Of `vividc.compile`.
+            Of `vividc.compile`, beside those that the kernel always has (`options_of`).
 
         Raises
         ------
@@ -72,7 +70,7 @@ class Programs:
         VividcError
             It cannot be compiled for this accelerator.
         """
-        options = {"time_limit_s": self.mapping_s, **self.common, **options}
+        options = {"time_limit_s": self.mapping_s, **self.common, **options_of(kernel), **options}
         name = f"{kernel} {sorted(options.items())}"
         if name not in self._loaded:
             self._loaded[name] = self._load(kernel, options)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -29,12 +29,11 @@ def render_blocks(
     corners: Int32Array,
     *,
     options: ArrayOptions = _DEFAULT,
-    ledger: Ledger,
     progress: Callable[[float], None] | None = None,
     work: Work | None = None,
-) -> Float32Array:
-    """Return the picture [height, width, 3] over white; pixels of no block, and of blocks that see
-    no brick of the occupancy, are white.
+) -> tuple[Float32Array, Ledger]:
+    """Return the picture [height, width, 3] over white, and what it cost; pixels of no block, and
+    of blocks that see no brick of the occupancy, are white.
 
     Parameters
     ----------
@@ -52,18 +51,20 @@ def render_blocks(
 
     image = np.ones((camera.height, camera.width, 3), dtype=np.float32)
     inside = np.minimum((camera.width, camera.height) - corners, SIDE)
-    ledger.count(rays=int(inside.prod(axis=1).sum()))
     render = batch_renderer(device, field, camera, options)
-    seen = seen_blocks(device, ledger, field.march, camera, corners)
-    ledger.count(empty_blocks=len(corners) - len(seen))
-    batches = list(_batches(seen))
+    seen = seen_blocks(device, field.march, camera, corners)
+    ledger = device.settle()
+    ledger.count(rays=int(inside.prod(axis=1).sum()), empty_blocks=len(corners) - len(seen))
+    batches = [
+        seen[first : first + BLOCKS_AT_ONCE] for first in range(0, len(seen), BLOCKS_AT_ONCE)
+    ]
     for part, (pixels, cost) in zip(batches, share_out(work, batches, render, tell), strict=True):
         ledger.merge(cost)
         for (column, row), block in zip(part.corners, pixels, strict=True):
             width, height = min(SIDE, camera.width - column), min(SIDE, camera.height - row)
             shown = block.reshape(SIDE, SIDE, 4)[:height, :width, :3]
             image[row : row + height, column : column + width] = shown
-    return image
+    return image, ledger
 
 
 def batch_renderer(
@@ -73,12 +74,6 @@ def batch_renderer(
     marcher = Marcher(device, field, camera, options)
 
     def render(blocks: Blocks) -> Batch:
-        ledger = Ledger()
-        return marcher.render(blocks, ledger), ledger
+        return marcher.render(blocks), device.settle()
 
     return render
-
-
-def _batches(blocks: Blocks) -> Iterator[Blocks]:
-    for first in range(0, len(blocks), BLOCKS_AT_ONCE):
-        yield blocks[first : first + BLOCKS_AT_ONCE]

@@ -12,12 +12,9 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from vividc import LoopOptions
 from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
-from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.launch import Launch
-from vividc.render.array.device.launches import run_launches
 from vividc.render.array.march.bricks import BRICK, pack_bricks
 from vividc.render.array.pieces import SIDE
 from vividc.render.arrays import Float32Array, Int32Array
@@ -70,9 +67,7 @@ def block_corners(camera: Camera) -> Int32Array:
     return corners.astype(np.int32)
 
 
-def seen_blocks(
-    device: Device, ledger: Ledger, march: March, camera: Camera, corners: Int32Array
-) -> Blocks:
+def seen_blocks(device: Device, march: March, camera: Camera, corners: Int32Array) -> Blocks:
     """Return those of some blocks that see a brick.
 
     Which distances all blocks of the picture see is a stage of the frame, booked as a whole one.
@@ -83,18 +78,14 @@ def seen_blocks(
     if view is None or places is None:
         depths = np.tile(np.array(_EVERYWHERE, dtype=np.float32), (len(corners), 1))
         return Blocks(corners, depths)
-    nearest, farthest = _depths(device, ledger, view, camera, places)
+    nearest, farthest = _depths(device, view, camera, places)
     column, row = corners.T // SIDE
     depths = np.stack((nearest[row, column], farthest[row, column]), axis=1)
     return Blocks(corners, depths)[depths[:, 1] > 0]
 
 
 def _depths(
-    device: Device,
-    ledger: Ledger,
-    view: Float32Array,
-    camera: Camera,
-    places: npt.NDArray[np.uint32],
+    device: Device, view: Float32Array, camera: Camera, places: npt.NDArray[np.uint32]
 ) -> tuple[Float32Array, Float32Array]:
     """Return the least and the greatest distance of each block, [rows, columns]."""
     rows, columns = -(-camera.height // SIDE), -(-camera.width // SIDE)
@@ -123,11 +114,9 @@ def _depths(
                 },
             )
         )
-    kernel = "render/block_depths:block_depths"
-    options = {"loops": LoopOptions(auto=False), "effort": "fast"}  # 0.3 % of a frame
-    run_launches(device, ledger, STAGE, kernel, launches, **options)
-    ledger.stages[STAGE].whole = True
-    ledger.count(words_read_by_host=nearest.size + farthest.size)
+    device.run(STAGE, "render/block_depths:block_depths", launches)
+    device.ledger.stages[STAGE].whole = True
+    device.ledger.count(words_read_by_host=nearest.size + farthest.size)
     return nearest, farthest
 
 

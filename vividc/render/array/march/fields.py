@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Final
 
 from vividc.render.array.device.device import Device, open_device
 from vividc.render.array.models.field import ArrayField
 from vividc.render.array.models.instant_ngp import InstantNGPField
-from vividc.render.array.models.kilonerf import KiloNeRFOnArray
-from vividc.render.array.models.kilonerf_fp8 import Fp8KiloNeRF
+from vividc.render.array.models.kilonerf import KiloNeRFField
 from vividc.render.array.models.tensorf import TensoRFField
 from vividc.render.array.options import ArrayOptions
 from vividc.render.errors import SceneError
 from vividc.render.radiance import InstantNGP, KiloNeRF, TensoRF
 from vividc.render.scenes import Scene
+
+_FIELDS: Final[dict[type, Callable[..., ArrayField]]] = {
+    KiloNeRF: KiloNeRFField,
+    InstantNGP: InstantNGPField,
+    TensoRF: TensoRFField,
+}
 
 
 def open_field(
@@ -29,11 +35,7 @@ def open_field(
         The fabric is unknown, faulty or a single tile.
     """
     device = open_device(options.fabric, options.engine, tell, options.mode)
-    if isinstance(scene, KiloNeRF):
-        on_array = Fp8KiloNeRF if options.precision == "fp8" else KiloNeRFOnArray
-        return device, on_array(scene, device)
-    if isinstance(scene, InstantNGP):
-        return device, InstantNGPField(scene, device, options.precision)
-    if isinstance(scene, TensoRF):
-        return device, TensoRFField(scene, device, options.precision)
+    for kind, field in _FIELDS.items():
+        if isinstance(scene, kind):
+            return device, field(scene, device, options.precision)
     raise SceneError("the array does not render scenes of this method yet")

@@ -16,8 +16,7 @@ from vividc.render.array.march.fields import open_field
 def serve(pipe: Connection) -> None:
     """Answer each batch with pixels and ledger, or with None where the frame has an error."""
     work: Work = pipe.recv()
-    device, field = open_field(work.scene, work.options)
-    render = batch_renderer(device, field, work.camera, work.options)
+    render = batch_renderer(*open_field(work.scene, work.options), work.camera, work.options)
     pipe.send("ready")
     while True:
         try:

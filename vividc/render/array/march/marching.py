@@ -13,19 +13,10 @@ import numpy as np
 
 from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
-from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.launch import Launch
 from vividc.render.array.march.bricks import Bricks, pack_bricks
 from vividc.render.array.march.depths import Blocks
-from vividc.render.array.march.kept import (
-    KERNELS,
-    LAUNCH_COST,
-    KeptSamples,
-    ListedSamples,
-    is_narrow,
-    run_kernel,
-)
-from vividc.render.array.models.field import ArrayField, Colours, Densities
+from vividc.render.array.models.field import ArrayField
 from vividc.render.array.options import ArrayOptions
 from vividc.render.array.pieces import (
     RAYS,
@@ -35,6 +26,21 @@ from vividc.render.array.pieces import (
     pieces_of,
     survivors_of,
     total,
+)
+from vividc.render.array.records import (
+    MARCHING,
+    Colours,
+    Column,
+    Densities,
+    Fields,
+    Kept,
+    Listed,
+    is_narrow,
+    items,
+    of_blocks,
+    of_pieces,
+    of_samples,
+    weights,
 )
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.camera import Camera
@@ -72,33 +78,36 @@ class Marcher:
         self._field = field
         self._camera = camera
         self._lookahead = options.lookahead
-        self._ledger = Ledger()
         march = field.march
         self._geometry = geometry_of(march, camera)
-        self._bricks = pack_bricks(march.occupied)
-        self._at_once, self._room = _room(march, self._bricks, device.scratchpad_bytes)
+        bricks = pack_bricks(march.occupied)
+        self._tables = {
+            "geometry": self._geometry,
+            "grid": bricks.grid,
+            "coarse": bricks.coarse,
+            "ranks": bricks.ranks,
+            "bricks": bricks.cells,
+        }
+        self._at_once, self._room = _room(march, bricks, device.scratchpad_bytes)
         least = max(field.weight_min, options.weight_min)
         self._limits = np.array([field.transmittance_min, least], dtype=np.float32)
 
-    def render(self, blocks: Blocks, ledger: Ledger) -> Float32Array:
-        """Return r, g, b over white and transmittance, [n, 64, 4], of blocks of 8x8 pixels; what
-        they cost is booked in `ledger`.
-        """
-        self._ledger = ledger
+    def render(self, blocks: Blocks) -> Float32Array:
+        """Return r, g, b over white and transmittance, [n, 64, 4], of blocks of 8x8 pixels."""
+        ledger = self._device.ledger
         rays = self._camera_rays(blocks)
         pieces = self._march(blocks, rays)
         ledger.count(density_samples=total(pieces))
         found = Densities(np.zeros(0, np.float32), np.zeros((0, 0), np.float32))
-        given = (self._device, ledger, self._geometry, rays)
+        given = (self._device, self._geometry, rays)
         if pieces:
-            found = self._field.densities(ListedSamples(*given, pieces), ledger)
+            found = self._field.densities(Listed(*given, pieces))
         survivors, left = self._light(pieces, found, len(blocks) * RAYS)
         counted = sum(np.count_nonzero(piece.weights) for piece in survivors)
         ledger.count(colour_samples=total(survivors), counted_samples=int(counted))
         colours = Colours([np.zeros((0, 3), np.float32)] * len(survivors))
         if total(survivors):
-            kept = KeptSamples(*given, survivors, found.features, self._lookahead)
-            colours = self._field.colours(kept, ledger)
+            colours = self._field.colours(Kept(*given, survivors, found.features, self._lookahead))
         return self._accumulate(survivors, colours, left).reshape(-1, RAYS, 4)
 
     def _camera_rays(self, blocks: Blocks) -> Rays:
@@ -110,10 +119,9 @@ class Marcher:
         directions = np.zeros((*shape, 3), dtype=np.float32)
         entries, steps = np.zeros(shape, dtype=np.float32), np.zeros(shape, dtype=np.uint32)
         self._device.spread(
-            *(self._ledger, "ray generation", f"{KERNELS}:camera_rays"),
+            *("ray generation", f"{MARCHING}:camera_rays"),
             *(pose, lens, self._geometry, self._field.march.samples),
             *(blocks.corners, blocks.depths, directions, entries, steps),
-            effort="fast",  # 1 % of a frame, and long loops
         )
         return Rays(directions.reshape(-1, 3), entries.reshape(-1), steps.reshape(-1))
 
@@ -131,7 +139,7 @@ class Marcher:
                 self._march_launch(number, start, ends[number], rays, room)
                 for (number, start), room in zip(todo, rooms, strict=True)
             ]
-            returned = self._run("ray marching", "march_rays", launches)
+            returned = self._device.run("ray marching", f"{MARCHING}:march_rays", launches)
             again: list[tuple[int, int]] = []
             for (number, _), room, word in zip(todo, rooms, returned, strict=True):
                 samples, goes_on = word >> _COUNT_BIT, word & ((1 << _COUNT_BIT) - 1)
@@ -145,14 +153,6 @@ class Marcher:
     def _march_launch(
         self, number: int, start: int, end: int, rays: Rays, items: Int32Array
     ) -> Launch:
-        bricks = self._bricks
-        shared = {
-            "geometry": self._geometry,
-            "grid": bricks.grid,
-            "coarse": bricks.coarse,
-            "ranks": bricks.ranks,
-            "bricks": bricks.cells,
-        }
         block = slice(number * RAYS, (number + 1) * RAYS)
         room = (RAYS * self._at_once,)
         return Launch(
@@ -163,7 +163,7 @@ class Marcher:
                 "steps": rays.steps[block],
             },
             outputs={"items": items},
-            shared=shared,
+            shared=self._tables,
             scalars={"start": start, "end": end, "at_once": self._at_once},
             cost=end - start + 1,
         )
@@ -175,69 +175,56 @@ class Marcher:
 
         Their numbers are left in the scratchpads if nobody asks for them.
         """
-        thickness, places = found.thickness, found.places
-        with_numbers = self._lookahead and not is_narrow(found.features)
-        items, numbers = np.zeros((2, len(thickness)), dtype=np.int32)
-        weights = np.zeros_like(thickness)
+        asks = self._lookahead and not is_narrow(found.features)
+        listed, numbers = np.zeros((2, len(found.thickness)), dtype=np.int32)
+        weights_of = np.zeros_like(found.thickness)
         left = np.ones(rays, dtype=np.float32)
-
-        of_blocks = list(left.reshape(-1, RAYS))  # launches of a block name the same array
-        launches = [
-            Launch(
-                inputs={
-                    "thickness": thickness[piece.samples],
-                    **({} if places is None else {"places": places[piece.samples]}),
-                    "items": piece.items,
-                },
-                outputs={
-                    **({"kept": numbers[piece.samples]} if with_numbers else {}),
-                    "kept_items": items[piece.samples],
-                    "weights": weights[piece.samples],
-                },
-                work={} if with_numbers else {"kept": (len(piece.items),)},
-                shared={"limits": self._limits},
-                carried={"left": of_blocks[piece.first_ray // RAYS]},
-                scalars={
-                    "goes_on": int(piece.turn > 0),
-                    "first_sample": piece.first,
-                    "keep_all": int(not self._lookahead),
-                },
-                cost=len(piece.items) + LAUNCH_COST,
-            )
-            for piece in pieces
-        ]
-        counts = self._run("transmittance", _in_order("transmittance", places), launches)
-        return list(survivors_of(pieces, counts, items, numbers, weights)), left
+        fields = Fields(
+            reads={
+                "thickness": of_samples(found.thickness),
+                "places": _places(found),
+                "items": items,
+            },
+            writes={
+                "kept": of_samples(numbers) if asks else None,
+                "kept_items": of_samples(listed),
+                "weights": of_samples(weights_of),
+            },
+            work={} if asks else {"kept": len},
+            shared={"limits": self._limits},
+            carries={"left": of_blocks(left)},
+            scalars=lambda piece: {
+                "goes_on": int(piece.turn > 0),
+                "first_sample": piece.first,
+                "keep_all": int(not self._lookahead),
+            },
+        )
+        kernel = _in_order("transmittance", found.places)
+        counts = fields.run(self._device, "transmittance", kernel, pieces)
+        return list(survivors_of(pieces, counts, listed, numbers, weights_of)), left
 
     def _accumulate(
         self, survivors: Sequence[Survivors], colours: Colours, left: Float32Array
     ) -> Float32Array:
         """Return r, g, b over white and transmittance of each ray [n, 4]."""
-        places = colours.places
         out = np.ones((len(left), 4), dtype=np.float32)
-        of_blocks = list(zip(left.reshape(-1, RAYS), out.reshape(-1, RAYS, 4), strict=True))
-        launches = []
-        for piece, rgb in zip(survivors, colours.of_pieces, strict=True):
-            light, sums = of_blocks[piece.first_ray // RAYS]
-            launches.append(
-                Launch(
-                    inputs={
-                        "weights": piece.weights,
-                        "items": piece.items,
-                        **({} if places is None else {"places": places[piece.samples]}),
-                        "colours": rgb,
-                    },
-                    shared={"left": light},
-                    carried={"out": sums},
-                    scalars={"goes_on": int(piece.turn > 0), "is_last": int(piece.is_last)},
-                    cost=len(piece.items) + LAUNCH_COST,
-                )
-            )
-        self._run("accumulation", _in_order("accumulate", places), launches)
+        fields = Fields(
+            reads={
+                "weights": weights,
+                "items": items,
+                "places": _places(colours),
+                "colours": of_pieces(colours.of_pieces),
+            },
+            holds={"left": of_blocks(left)},
+            carries={"out": of_blocks(out)},
+            scalars=lambda piece: {
+                "goes_on": int(piece.turn > 0),
+                "is_last": int(piece.is_last),
+            },
+        )
+        kernel = _in_order("accumulate", colours.places)
+        fields.run(self._device, "accumulation", kernel, survivors)
         return out
-
-    def _run(self, stage: str, kernel: str, launches: Sequence[Launch]) -> list[int]:
-        return run_kernel(self._device, self._ledger, stage, kernel, launches)
 
 
 def parts_of(march: March, blocks: Blocks, at_once: int) -> list[int]:
@@ -256,7 +243,11 @@ def _samples_at_once(device: Device, field: ArrayField) -> int:
 
 def _in_order(kernel: str, places: Int32Array | None) -> str:
     """Return the name of a kernel over samples that are in order, or at `places`."""
-    return kernel if places is None else f"{kernel}_in_groups"
+    return f"{MARCHING}:{kernel}" + ("" if places is None else "_in_groups")
+
+
+def _places(found: Densities | Colours) -> Column | None:
+    return None if found.places is None else of_samples(found.places)
 
 
 def geometry_of(march: March, camera: Camera) -> Float32Array:

@@ -10,15 +10,15 @@ import numpy as np
 import numpy.typing as npt
 
 from vividc.machine.words import WORD_BYTES
+from vividc.render.array.device.blocks import BLOCK
 from vividc.render.array.device.device import Device
-from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.launch import Fetched, Launch
-from vividc.render.array.device.lookups import BLOCK, Part, run_lookups
+from vividc.render.array.device.lookups import Part, run_lookups, sizes_for
+from vividc.render.array.records import UInt32Array
 from vividc.render.arrays import Float32Array
 from vividc.render.radiance.occupancy import March
 from vividc.render.radiance.tensorf import LINE_AXES, PLANE_AXES, Factors
 
-UInt32Array = npt.NDArray[np.uint32]
 Number: TypeAlias = np.float32 | np.int32
 
 CHANNELS: Final = 16
@@ -38,7 +38,7 @@ _SAMPLES_A_CELL: Final = 8
 """Samples for which a launch has room for one cell; a block of 8x8 pixels at 800x800 lies in one
 for 8 to 20, ordered by step.
 """
-_KERNELS: Final = "render/tensor_factors"
+KERNELS: Final = "render/tensor_factors"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,21 +70,17 @@ class FactorGrid:
     scales: Float32Array
     last: npt.NDArray[np.int32]
 
-    def sums(
-        self, ledger: Ledger, stage: str, points: Float32Array, pairs: Sequence[Pair]
-    ) -> Float32Array:
+    def sums(self, stage: str, points: Float32Array, pairs: Sequence[Pair]) -> Float32Array:
         """Return [P, n] float32 of points [n, 3], n a multiple of 16: for each pair of a plane and
         a line the sum over its channels of their product.
         """
         kernel = "factor_sums" + ("_fp16" if _is_narrow(pairs) else "")
         out = np.empty((len(pairs), len(points)), np.float32)
         targets = [one.reshape(-1, BLOCK) for one in out]
-        self._run(ledger, stage, kernel, points, pairs, targets)
+        self._run(stage, kernel, points, pairs, targets)
         return out
 
-    def products(
-        self, ledger: Ledger, stage: str, points: Float32Array, pairs: Sequence[Pair]
-    ) -> Float32Array:
+    def products(self, stage: str, points: Float32Array, pairs: Sequence[Pair]) -> Float32Array:
         """Return [B, C, 16] float32, blocks of 16 samples: plane times line of all channels, the
         planes one after the other. Of float16 pairs: as float8, four to a word, [B, C / 4, 16].
         """
@@ -94,14 +90,13 @@ class FactorGrid:
         parts = [out[:, width * k : width * (k + 1)] for k in range(len(pairs))]
         if narrow:
             targets = [part.view(np.uint32) for part in parts]
-            self._run(ledger, stage, "factor_products_fp8", points, pairs, targets)
+            self._run(stage, "factor_products_fp8", points, pairs, targets)
         else:
-            self._run(ledger, stage, "factor_products", points, pairs, parts)
+            self._run(stage, "factor_products", points, pairs, parts)
         return out
 
     def _run(
         self,
-        ledger: Ledger,
         stage: str,
         kernel: str,
         points: Float32Array,
@@ -126,9 +121,9 @@ class FactorGrid:
                 scalars={**self._along(pair.number), "room": room},
             )
 
-        name = f"{_KERNELS}:{kernel}"
-        cells = run_lookups(self.device, ledger, stage, name, work, launch, room)
-        ledger.count(plane_cells=cells)
+        name = f"{KERNELS}:{kernel}"
+        cells = run_lookups(self.device, stage, name, work, launch, room)
+        self.device.ledger.count(plane_cells=cells)
 
     def _sizes(self, pairs: Sequence[Pair], width: int) -> tuple[int, int]:
         """Return samples of a launch that makes `width` words of each, and cells that there is room
@@ -137,14 +132,12 @@ class FactorGrid:
         line = max(pair.line.size for pair in pairs)
         lines = 1 if len({id(pair.line) for pair in pairs}) == 1 else 2
         words = self.device.scratchpad_bytes // WORD_BYTES - lines * line - 2 * _CACHE
-        cell = CHANNELS * _CORNERS // (2 if _is_narrow(pairs) else 1)
-        most, room = BLOCK, 0
-        for samples in range(BLOCK, words, BLOCK):
-            own = (words - _SPARE_WORDS) // 2 - (_AXES + 1 + width) * samples - 1 - _FIRST
-            if own // cell < max(BLOCK, samples // _SAMPLES_A_CELL):
-                break
-            most, room = samples, own // cell
-        return most, room or BLOCK
+        return sizes_for(
+            words - _SPARE_WORDS - 2 * (1 + _FIRST),
+            2 * CHANNELS * _CORNERS // (2 if _is_narrow(pairs) else 1),
+            2 * (_AXES + 1 + width),
+            lambda samples: max(BLOCK, samples // _SAMPLES_A_CELL),
+        )
 
     def _along(self, plane: int) -> dict[str, Number]:
         """Return the scalars that tell the axes of a plane's columns and rows, and of its line."""

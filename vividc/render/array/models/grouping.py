@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby, pairwise
 from typing import Final
 
 import numpy as np
 
-from vividc import LoopOptions
 from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
-from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.gather import gather_rows
-from vividc.render.array.device.launch import Gathered, Launch, Move, Words
-from vividc.render.array.device.launches import run_launches
-from vividc.render.array.models.field import Kept, Listed
-from vividc.render.array.pieces import RAYS, Piece, total
+from vividc.render.array.device.launch import Gathered, Move, Words
+from vividc.render.array.pieces import RAYS, Piece, Survivors, total
+from vividc.render.array.records import (
+    Fields,
+    Kept,
+    Listed,
+    filled,
+    items,
+    of_all,
+    of_pieces,
+    of_samples,
+)
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.radiance import KiloNeRF
 
@@ -139,70 +145,63 @@ class Grouping:
         self.most_samples = min(_MOST, max(_LEAST, by_sample))
         self._ranges = list(self._ranges_in())
 
-    def samples(self, listed: Listed, ledger: Ledger) -> Samples:
+    def samples(self, listed: Listed) -> Samples:
         """Sort the samples of each piece by network, those without one first; of more networks than
         a scratchpad counts, a range after the other, in what the ranges before left.
         """
         pieces, count = listed.pieces, total(listed.pieces)
         local, places = np.zeros((count, 3), np.float32), np.zeros(count, np.int32)
-        known = None if self._fits else self._numbers(listed.points(), ledger)
-        shared = {**self._shared, "geometry": listed.geometry}
+        known = None if self._fits else of_samples(self._numbers(listed.points()))
+        made = {"places": of_samples(places), "local": of_samples(local)}
         starts = []
         for low, networks in self._ranges:
             begins = np.zeros((len(pieces), networks + 2), dtype=np.int32)
-            launches = []
-            for piece, one in zip(pieces, begins, strict=True):
-                made = {"places": places[piece.samples], "local": local[piece.samples]}
-                launches.append(
-                    Launch(
-                        inputs={
-                            "directions": listed.rays.directions[piece.rays],
-                            "entries": listed.rays.entries[piece.rays],
-                            "items": piece.items,
-                            **({} if known is None else {"chosen": known[piece.samples]}),
-                            **({} if low < 0 else made),
-                        },
-                        outputs={"starts": one, **made},
-                        shared=shared,
-                        work={"chosen": (len(piece.items),)} if known is None else {},
-                        scalars={"known": int(known is not None), "low": low},
-                        cost=len(piece.items) + RAYS,
-                    )
-                )
-            self._run("group_samples", launches, ledger)
+            fields = Fields(
+                reads={
+                    **listed.of_rays,
+                    "items": items,
+                    "chosen": known,
+                    **({} if low < 0 else made),
+                },
+                writes={"starts": of_pieces(begins), **made},
+                shared={**self._shared, "geometry": listed.geometry},
+                work={} if known else {"chosen": len},
+                scalars=self._scalars(low),
+                cost=lambda piece: len(piece) + RAYS,
+            )
+            fields.run(self._device, _STAGE, f"{_KERNELS}:group_samples", pieces)
             starts.append((low, begins))
-        return Samples(local, places, starts, _runs(pieces, starts, ledger))
+        return Samples(local, places, starts, self._runs(pieces, starts))
 
-    def survivors(self, samples: Samples, kept: Kept, ledger: Ledger) -> KeptOfSamples:
+    def survivors(self, samples: Samples, kept: Kept) -> KeptOfSamples:
         """Put those samples that survive in the order that all have."""
         pieces = kept.pieces
         places, rows, rays = np.zeros((3, total(pieces)), dtype=np.int32)
         starts = []
         for low, begins in samples.starts:
             kept_begins = np.zeros_like(begins)
-            launches = [
-                Launch(
-                    inputs={
-                        "items": piece.items,
-                        "places": samples.places[piece.places],
-                        "starts": begins[number],
-                    },
-                    outputs={
-                        "kept_starts": kept_begins[number],
-                        "kept_places": places[piece.samples],
-                        "rows": rows[piece.samples],
-                        "rays": rays[piece.samples],
-                    },
-                    work={"marks": (len(samples.places[piece.places]) + 1,)},
-                    scalars={"first_ray": piece.first_ray, "first_row": piece.places.start},
-                    cost=len(samples.places[piece.places]) + RAYS,
-                )
-                for number, piece in enumerate(pieces)
-                if len(piece.items)
-            ]
-            self._run("group_survivors", launches, ledger)
+            fields = Fields(
+                reads={
+                    "items": items,
+                    "places": of_all(samples.places),
+                    "starts": of_pieces(begins),
+                },
+                writes={
+                    "kept_starts": of_pieces(kept_begins),
+                    "kept_places": of_samples(places),
+                    "rows": of_samples(rows),
+                    "rays": of_samples(rays),
+                },
+                work={"marks": lambda piece: _listed(piece) + 1},
+                scalars=lambda piece: {
+                    "first_ray": piece.first_ray,
+                    "first_row": piece.places.start,
+                },
+                cost=lambda piece: _listed(piece) + RAYS,
+            )
+            fields.run(self._device, _STAGE, f"{_KERNELS}:group_survivors", filled(pieces))
             starts.append((low, kept_begins))
-        return KeptOfSamples(places, rows, rays, _runs(pieces, starts, ledger))
+        return KeptOfSamples(places, rows, rays, self._runs(pieces, starts))
 
     def _words_free(self) -> tuple[tuple[int, int, int], ...]:
         """Return how often a launch that sorts, and one of survivors, has counts of networks, how
@@ -226,25 +225,27 @@ class Grouping:
         bounds = [self._count * part // parts - 1 for part in range(parts + 1)]
         return ((low, high - low) for low, high in pairwise(bounds))
 
-    def _numbers(self, points: Float32Array, ledger: Ledger) -> Int32Array:
+    def _scalars(self, low: int) -> Callable[[Piece], dict[str, object]]:
+        return lambda _: {"known": int(not self._fits), "low": low}
+
+    def _numbers(self, points: Float32Array) -> Int32Array:
         """Return the network of each point, -1: none."""
         numbers = np.zeros(len(points), dtype=np.int32)
         arguments = (points, self._shared["box"], self._shared["grid"], numbers)
-        self._device.spread(ledger, _STAGE, f"{_KERNELS}:cell_numbers", *arguments)
-        return gather_rows(self._device, ledger, _STAGE, self._table, [numbers])
+        self._device.spread(_STAGE, f"{_KERNELS}:cell_numbers", *arguments)
+        return gather_rows(self._device, _STAGE, self._table, [numbers])
 
-    def _run(self, kernel: str, launches: Sequence[Launch], ledger: Ledger) -> None:
-        loops = LoopOptions(auto=False)
-        run_launches(self._device, ledger, _STAGE, f"{_KERNELS}:{kernel}", launches, loops=loops)
+    def _runs(self, pieces: Sequence[Piece], starts: Sequence[tuple[int, Int32Array]]) -> Runs:
+        """Return the runs that the host reads where each network starts."""
+        self._device.ledger.count(words_read_by_host=sum(begins.size for _, begins in starts))
+        firsts = [piece.first for piece in pieces]
+        return [run for low, begins in starts for run in runs_of(begins, firsts, low)]
 
 
-def _runs(
-    pieces: Sequence[Piece], starts: Sequence[tuple[int, Int32Array]], ledger: Ledger
-) -> Runs:
-    """Return the runs that the host reads where each network starts."""
-    ledger.count(words_read_by_host=sum(begins.size for _, begins in starts))
-    firsts = [piece.first for piece in pieces]
-    return [run for low, begins in starts for run in runs_of(begins, firsts, low)]
+def _listed(piece: Survivors) -> int:
+    """Return how many samples it had before."""
+    samples: int = piece.places.stop - piece.places.start
+    return samples
 
 
 def runs_of(starts: Int32Array, firsts: Sequence[int], low: int) -> Iterator[tuple[int, int, int]]:

@@ -6,18 +6,16 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from vividc.machine.words import WORD_BYTES
+from vividc.render.array.device.blocks import BLOCK
 from vividc.render.array.device.device import Device
-from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.launch import Fetched, Launch
-from vividc.render.array.device.lookups import BLOCK, Part, run_lookups
+from vividc.render.array.device.lookups import Part, run_lookups, sizes_for
+from vividc.render.array.records import UInt32Array
 from vividc.render.arrays import Float32Array
 from vividc.render.errors import SceneError
 from vividc.render.radiance.instant_ngp import InstantNGP, Level
-
-UInt32Array = npt.NDArray[np.uint32]
 
 _CACHE: Final = 128
 """Cells of a level that a launch remembers, as in the kernel."""
@@ -66,9 +64,7 @@ class HashEncoding:
     pairs: tuple[tuple[_Level, _Level], ...]
     is_fp8: bool
 
-    def encode(
-        self, device: Device, ledger: Ledger, stage: str, points: Float32Array, out: Float32Array
-    ) -> None:
+    def encode(self, device: Device, stage: str, points: Float32Array, out: Float32Array) -> None:
         """Put the encoding of points [n, 3], n a multiple of 16, into `out`, [n / 16, words, 16]:
         two features of each level, or a word of each two levels. What is behind is left alone.
         """
@@ -85,13 +81,18 @@ class HashEncoding:
         def launch(pair: tuple[int, tuple[_Level, _Level]], part: Part) -> Launch:
             return self._launch(*pair, part, room, out)
 
-        cells = run_lookups(device, ledger, stage, self._kernel, work, launch, room)
-        ledger.count(encoded_cells=cells)
+        cells = run_lookups(device, stage, self._kernel, work, launch, room)
+        device.ledger.count(encoded_cells=cells)
 
     @property
     def features(self) -> int:
         """Numbers that a point becomes; the last two may be there twice."""
         return _PAIR * _FEATURES * len(self.pairs)
+
+    @property
+    def _words(self) -> int:
+        """Of what a launch makes of a point."""
+        return 1 if self.is_fp8 else _PAIR * _FEATURES
 
     @property
     def _kernel(self) -> str:
@@ -102,15 +103,12 @@ class HashEncoding:
         for each sample, so that half the samples' always fit.
         """
         words = device.scratchpad_bytes // WORD_BYTES - 2 * _PAIR * _CACHE - _SPARE_WORDS
-        out = 1 if self.is_fp8 else _PAIR * _FEATURES
-        row = self.table.shape[1]
-        for samples in range(BLOCK, words, BLOCK):
-            fixed = (_AXES + _PAIR) * samples + 2 * (samples + _PAIR + out * samples + _FIRST)
-            cells = (words - fixed) // (2 * _CORNERS * row)
-            if cells < samples + _PAIR * BLOCK:
-                break
-            most, room = samples, cells
-        return most, room
+        return sizes_for(
+            words - 2 * (_PAIR + _FIRST),
+            2 * _CORNERS * self.table.shape[1],
+            _AXES + _PAIR + 2 * (1 + self._words),
+            lambda samples: samples + _PAIR * BLOCK,
+        )
 
     def _launch(
         self,
@@ -120,8 +118,7 @@ class HashEncoding:
         room: int,
         out: Float32Array,
     ) -> Launch:
-        samples = len(part.points)
-        width = 1 if self.is_fp8 else _PAIR * _FEATURES
+        samples, width = len(part.points), self._words
         features = out[part.blocks, width * number : width * (number + 1)]
         one, other = levels
         caches = ("seen", "where", "seen_1", "where_1")

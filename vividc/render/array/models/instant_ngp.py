@@ -9,29 +9,16 @@ from typing import Final
 import numpy as np
 
 from vividc.machine.words import WORD_BYTES
-from vividc.render.array.device.block_map import BlockMap
+from vividc.render.array.device.blocks import BLOCK, batches, in_blocks, room_for, run_blocks
 from vividc.render.array.device.device import Device
-from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.gather import gather_rows
 from vividc.render.array.device.launch import Words
-from vividc.render.array.models.field import (
-    Colours,
-    Features,
-    Kept,
-    PointField,
-    UInt32Array,
-)
+from vividc.render.array.models.field import PointField
 from vividc.render.array.models.hash_encoding import hash_encoding
 from vividc.render.array.network.calibration import largest_inputs
-from vividc.render.array.network.narrow import network
-from vividc.render.array.network.networks import (
-    SAMPLES,
-    batches,
-    dense_layer,
-    in_blocks,
-    room_for,
-)
+from vividc.render.array.network.networks import dense_layer, network
 from vividc.render.array.options import RenderPrecision
+from vividc.render.array.records import Colours, Features, Kept, UInt32Array
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.radiance import InstantNGP
 from vividc.render.radiance.instant_ngp import DIRECTION_TERMS
@@ -43,6 +30,7 @@ _ROWS_SHARE: Final = 0.375
 _CHANNELS: Final = 3
 _LANES: Final = 4
 """Numbers of float8 in a word."""
+_KERNELS: Final = "render/instant_ngp"
 
 
 class InstantNGPField(PointField):
@@ -67,8 +55,8 @@ class InstantNGPField(PointField):
     def __init__(
         self, model: InstantNGP, device: Device, precision: RenderPrecision = "fp32"
     ) -> None:
-        super().__init__(model)
-        self._model, self._device = model, device
+        super().__init__(model, device)
+        self._model = model
         largest = {} if precision == "fp32" else largest_inputs(model)
         first, last = model.density_weights
         # The encoding has features in fours, and so have float8 words; weights of the others are 0.
@@ -94,9 +82,9 @@ class InstantNGPField(PointField):
             words = device.scratchpad_bytes // WORD_BYTES
             self.most_samples = int(_ROWS_SHARE * words) // (self._features // _LANES)
         for net in (self._density_network, self._colour_network):
-            net.check(device)
+            net.mode(device)
 
-    def density(self, points: Float32Array, ledger: Ledger) -> tuple[Float32Array, Features]:
+    def density(self, points: Float32Array) -> tuple[Float32Array, Features]:
         """Return optical thickness [n] of one step, and the density network's outputs: [n, F], or
         float8 for the colour network, four to a word.
         """
@@ -104,92 +92,74 @@ class InstantNGPField(PointField):
         width = self._features // _LANES if self._is_fp8 else self._features
         thickness, features = room_for(count), room_for(count, width)
         for place, (blocks,) in batches(_BATCH, points):
-            self._density(blocks, thickness[place], features[place], ledger)
+            self._density(blocks, thickness[place], features[place])
         words = features.reshape(-1, width)[:count]
         return thickness.reshape(-1)[:count], words.view(np.uint32) if self._is_fp8 else words
 
-    def colours(self, kept: Kept, ledger: Ledger) -> Colours:
+    def colours(self, kept: Kept) -> Colours:
         """Return r, g, b [n, 3] of each piece's samples."""
         if not self._is_fp8:
-            return super().colours(kept, ledger)
+            return super().colours(kept)
         # A direction is encoded once for all samples of its ray.
-        kernel, net = "render/instant_ngp:colour_inputs_fp8", self._colour_network
-        inputs = kept.in_blocks(kernel, self._encoded(kept.directions, ledger), net.inputs)
-        rgb = np.empty((len(inputs), SAMPLES, _CHANNELS), dtype=np.float32)
-        for first in range(0, len(inputs), _BATCH // SAMPLES):
-            place = slice(first, first + _BATCH // SAMPLES)
-            net.colours(self._device, ledger, inputs[place].view(np.float32), rgb[place])
+        kernel, net = f"{_KERNELS}:colour_inputs_fp8", self._colour_network
+        inputs = kept.in_blocks(kernel, self._encoded(kept.directions), net.inputs)
+        rgb = np.empty((len(inputs), BLOCK, _CHANNELS), dtype=np.float32)
+        for first in range(0, len(inputs), _BATCH // BLOCK):
+            place = slice(first, first + _BATCH // BLOCK)
+            net.colours(self._device, inputs[place].view(np.float32), rgb[place])
         rows = rgb.reshape(-1, _CHANNELS)
-        firsts = accumulate((-(-n // SAMPLES) * SAMPLES for n in kept.lengths), initial=0)
+        firsts = accumulate((-(-n // BLOCK) * BLOCK for n in kept.lengths), initial=0)
         of_pieces = zip(firsts, kept.lengths, strict=False)
         return Colours([rows[first : first + n] for first, n in of_pieces])
 
     def colour(
-        self,
-        points: Float32Array,
-        features: Features,
-        rays: Int32Array,
-        directions: Float32Array,
-        ledger: Ledger,
+        self, features: Features, points: Float32Array, rays: Int32Array, directions: Float32Array
     ) -> Float32Array:
         """Return r, g, b [n, 3] of features that are not float8, seen along their rays' unit
         `directions` [R, 3].
         """
+        device, net = self._device, self._colour_network
         count = len(features)
         rgb = room_for(count, _CHANNELS)
         for place, (blocks, chosen) in batches(_BATCH, features, rays[:, None]):
-            inputs = self._inputs(blocks, chosen.reshape(-1, SAMPLES), directions, ledger)
-            self._colour_network.colours(self._device, ledger, inputs, rgb[place])
+            seen = gather_rows(device, "compaction", directions, [chosen.reshape(-1)])
+            given: dict[str, Words] = {
+                "features": blocks,
+                "directions": seen.reshape(-1, BLOCK, _CHANNELS),
+            }
+            kernel = f"{_KERNELS}:colour_inputs"
+            inputs = net.made(device, "direction encoding", kernel, given)
+            net.colours(device, inputs, rgb[place])
         return rgb.reshape(-1, _CHANNELS)[:count]
 
     def _density(
-        self,
-        points: Float32Array,
-        thickness: Float32Array,
-        features: Float32Array,
-        ledger: Ledger,
+        self, points: Float32Array, thickness: Float32Array, features: Float32Array
     ) -> None:
         device, net = self._device, self._density_network
         inputs = net.words(len(points)) if self._is_fp8 else net.room(len(points))
-        self._encoding.encode(device, ledger, "hash encoding", points.reshape(-1, 3), inputs)
+        self._encoding.encode(device, "hash encoding", points.reshape(-1, 3), inputs)
         if not self._is_fp8:
-            inputs = net.rounded(device, ledger, "rounding", inputs)
-        outputs = net.run(device, ledger, "density network", inputs)
+            inputs = net.rounded(device, "rounding", inputs)
+        outputs: Words = net.run(device, "density network", inputs)
         scalars = {
             "limit": np.float32(self._model.exponent_max),
             "step": np.float32(self._model.march.step),
         }
         made: dict[str, Words] = {"thickness": thickness, "features": features}
-        kernel = "render/instant_ngp:density"
+        kernel = f"{_KERNELS}:density"
         if self._is_fp8:
             scalars["scale"] = self._colour_network.scale
             made["features"] = features.view(np.uint32)
-            outputs = outputs.view(np.uint32)
-            kernel += "_fp8"
-        BlockMap(kernel, {"x": outputs}, made, scalars=scalars).run(device, ledger, "density")
+            kernel, outputs = f"{kernel}_fp8", outputs.view(np.uint32)
+        run_blocks(device, "density", kernel, {"x": outputs}, made, scalars)
 
-    def _inputs(
-        self, features: Words, rays: Int32Array, directions: Words, ledger: Ledger
-    ) -> Float32Array:
-        """Return the colour network's inputs, of features by sample and rays [B, 16]."""
-        device, net = self._device, self._colour_network
-        chosen = gather_rows(device, ledger, "compaction", directions, [rays.reshape(-1)])
-        given: dict[str, Words] = {
-            "features": features,
-            "directions": chosen.reshape(-1, SAMPLES, 3),
-        }
-        return net.made(
-            device, ledger, "direction encoding", "render/instant_ngp:colour_inputs", given
-        )
-
-    def _encoded(self, directions: Float32Array, ledger: Ledger) -> UInt32Array:
+    def _encoded(self, directions: Float32Array) -> UInt32Array:
         """Return the directions' terms as float8 words, [R, 4] uint32."""
         blocks = in_blocks(directions)
         out = np.empty((*blocks.shape[:2], DIRECTION_TERMS // _LANES), np.uint32)
-        scalars = {"scale": self._colour_network.scale}
-        kernel = "render/instant_ngp:directions_fp8"
-        stage = BlockMap(kernel, {"directions": blocks}, {"out": out}, scalars=scalars)
-        stage.run(self._device, ledger, "direction encoding")
+        kernel, scalars = f"{_KERNELS}:directions_fp8", {"scale": self._colour_network.scale}
+        given = {"directions": blocks}
+        run_blocks(self._device, "direction encoding", kernel, given, {"out": out}, scalars)
         return out.reshape(-1, out.shape[2])
 
 

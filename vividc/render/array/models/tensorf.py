@@ -7,16 +7,15 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from vividc.render.array.device.block_map import BlockMap
+from vividc.render.array.device.blocks import BLOCK, batches, room_for, run_blocks
 from vividc.render.array.device.device import Device
-from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.gather import gather_rows
-from vividc.render.array.models.factors import CHANNELS, channel_pairs, factor_grid
-from vividc.render.array.models.field import Features, PointField
+from vividc.render.array.models.factors import CHANNELS, KERNELS, channel_pairs, factor_grid
+from vividc.render.array.models.field import PointField
 from vividc.render.array.network.calibration import largest_inputs
-from vividc.render.array.network.narrow import network
-from vividc.render.array.network.networks import SAMPLES, batches, dense_layer, room_for
+from vividc.render.array.network.networks import dense_layer, network
 from vividc.render.array.options import RenderPrecision
+from vividc.render.array.records import Features
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.radiance import TensoRF
 from vividc.render.radiance.tensorf import LINE_AXES
@@ -46,8 +45,8 @@ class TensoRFField(PointField):
     """
 
     def __init__(self, model: TensoRF, device: Device, precision: RenderPrecision = "fp32") -> None:
-        super().__init__(model)
-        self._model, self._device = model, device
+        super().__init__(model, device)
+        self._model = model
         lines = dict(zip(LINE_AXES, model.density_factors, strict=True))
         self._grid = factor_grid(model.march, [len(lines[axis].line) for axis in range(3)], device)
         largest = None if precision == "fp32" else largest_inputs(model)
@@ -72,66 +71,51 @@ class TensoRFField(PointField):
             layers, precision, [largest[name] for name in names] if largest else ()
         )
         for net in (self._basis, self._colour_network):
-            net.check(device)
+            net.mode(device)
 
-    def density(self, points: Float32Array, ledger: Ledger) -> tuple[Float32Array, Float32Array]:
+    def density(self, points: Float32Array) -> tuple[Float32Array, Float32Array]:
         """Return optical thickness [n] of one step, and no features, [n, 0]."""
         count = len(points)
         thickness = room_for(count)
         for place, (blocks,) in batches(_BATCH, points):
-            self._density(blocks.reshape(-1, 3), thickness[place], ledger)
+            self._density(blocks.reshape(-1, 3), thickness[place])
         return thickness.reshape(-1)[:count], np.zeros((count, 0), dtype=np.float32)
 
     def colour(
-        self,
-        points: Float32Array,
-        features: Features,
-        rays: Int32Array,
-        directions: Float32Array,
-        ledger: Ledger,
+        self, features: Features, points: Float32Array, rays: Int32Array, directions: Float32Array
     ) -> Float32Array:
         """Return r, g, b [n, 3] of points seen along their rays' unit `directions` [R, 3]."""
         count = len(points)
-        directions = gather_rows(self._device, ledger, "compaction", directions, [rays])
+        directions = gather_rows(self._device, "compaction", directions, [rays])
         rgb = room_for(count, _CHANNELS)
         for place, (blocks, seen) in batches(_BATCH, points, directions):
-            self._colour(blocks.reshape(-1, 3), seen, rgb[place], ledger)
+            self._colour(blocks.reshape(-1, 3), seen, rgb[place])
         return rgb.reshape(-1, _CHANNELS)[:count]
 
-    def _density(self, points: Float32Array, thickness: Float32Array, ledger: Ledger) -> None:
+    def _density(self, points: Float32Array, thickness: Float32Array) -> None:
         model = self._model
-        sums = self._grid.sums(ledger, "density factors", points, self._density_pairs)
+        sums = self._grid.sums("density factors", points, self._density_pairs)
         # A block's sums of each pair are apart.
-        BlockMap(
-            kernel="render/tensor_factors:density",
-            inputs={"sums": sums.reshape(len(sums), -1, SAMPLES).transpose(1, 0, 2)},
-            outputs={"thickness": thickness},
-            scalars={
-                "shift": np.float32(model.density_shift),
-                "step": np.float32(model.march.step * model.distance_scale),
-            },
-        ).run(self._device, ledger, "density")
+        given = {"sums": sums.reshape(len(sums), -1, BLOCK).transpose(1, 0, 2)}
+        scalars = {
+            "shift": np.float32(model.density_shift),
+            "step": np.float32(model.march.step * model.distance_scale),
+        }
+        made = {"thickness": thickness}
+        run_blocks(self._device, "density", f"{KERNELS}:density", given, made, scalars)
 
-    def _colour(
-        self, points: Float32Array, directions: Float32Array, rgb: Float32Array, ledger: Ledger
-    ) -> None:
+    def _colour(self, points: Float32Array, directions: Float32Array, rgb: Float32Array) -> None:
         device = self._device
-        pairs = self._appearance_pairs
-        products = self._grid.products(ledger, "appearance factors", points, pairs)
+        products = self._grid.products("appearance factors", points, self._appearance_pairs)
         if not self._is_fp8:
-            products = self._basis.rounded(device, ledger, "rounding", products)
-        features = self._basis.run(device, ledger, "basis", products)
-        inputs = self._colour_network.made(
-            device,
-            ledger,
-            "position encoding",
-            "render/tensor_factors:colour_inputs",
-            {
-                "features": features.view(np.uint32) if self._is_fp8 else features,
-                "directions": directions,
-            },
-        )
-        self._colour_network.colours(device, ledger, inputs, rgb)
+            products = self._basis.rounded(device, "rounding", products)
+        features = self._basis.run(device, "basis", products)
+        given = {
+            "features": features.view(np.uint32) if self._is_fp8 else features,
+            "directions": directions,
+        }
+        net, kernel = self._colour_network, f"{KERNELS}:colour_inputs"
+        net.colours(device, net.made(device, "position encoding", kernel, given), rgb)
 
 
 def _by_words() -> npt.NDArray[np.int64]:

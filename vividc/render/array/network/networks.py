@@ -1,198 +1,248 @@
-"""Networks on the array: dense layers on blocks of 16 samples, weights in the scratchpads."""
+"""Networks on blocks of 16 samples, with operands of a format: the arrays of a TPU-like mode, or a
+kernel of layers on the tiles, with the weights in the scratchpads.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any, TypeVar
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
-from vividc.gemm import Layer
+from vividc.formats import FORMATS
+from vividc.gemm import Layer, Precision
 from vividc.machine.words import WORD_BYTES
-from vividc.render.array.device.block_map import BlockMap
+from vividc.render.array.device.blocks import BLOCK, run_blocks
 from vividc.render.array.device.device import Device
-from vividc.render.array.device.frame import Ledger
+from vividc.render.array.device.launch import Words
+from vividc.render.array.network.calibration import exponents
 from vividc.render.array.network.systolic import run_systolic, tile_cycles, tpu_choice
+from vividc.render.array.options import RenderPrecision
 from vividc.render.arrays import Float32Array
+from vividc.render.errors import SceneError
 
-Word = TypeVar("Word", bound=np.generic)
-
-SAMPLES = 16
-"""Samples of a block of activations."""
-NEURONS = 8
-"""Neurons of a block of weights."""
-_KERNEL = "render/layers:layer"
-_FEWEST = 2048
-"""Samples for which a TPU-like mode is considered: its programs take the host seconds to make."""
-_NO_LIMIT = np.float32(-np.inf)
-_PLACES = 2
-_ARRAYS = 3
+_FORMATS: Final[dict[RenderPrecision, Precision]] = {"fp32": "f32", "fp16": "f16", "fp8": "e4m3"}
+_NEURONS: Final = 8
+"""Of a block of weights."""
+_KERNEL: Final = "render/layers:layer"
+_PLACES: Final = 2
+_ARRAYS: Final = 3
 """Of the kernel of layers."""
+_NO_LIMIT: Final = np.float32(-np.inf)
+_FEWEST: Final = 2048
+"""Samples for which layers that the tiles have a kernel for may run in a TPU-like mode: its
+programs take the host seconds to make.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class DenseLayer:
-    """A layer's weights as the kernel takes them.
+class Network:
+    """Layers with the format of their operands.
 
     Attributes
     ----------
-    matrix, bias
-        [groups, inputs, outputs] and [groups, outputs] float32.
-    packed
-        [groups, ceil(outputs / 8), 1 + inputs, 8] float32: the bias, then the weights; neurons
-        that fill the last block are 0.
-    inputs, outputs
-        Features in and out.
-    relu
-        Whether what is below 0 becomes 0.
+    layers
+        With weights and biases scaled for the format.
+    precision
+        Of all layers' operands; sums are float32, and so are outputs, but with fp8, which leaves
+        float16, two to a word.
+    scale
+        What the inputs are multiplied by before they are rounded: a power of two. Outputs have
+        scale 1.
     """
 
-    matrix: Float32Array
-    bias: Float32Array
-    packed: Float32Array
-    inputs: int
-    outputs: int
-    relu: bool
+    layers: tuple[Layer, ...]
+    precision: RenderPrecision
+    scale: np.float32
+
+    @property
+    def inputs(self) -> int:
+        """Rows of an array of blocks of inputs: features, or words of them."""
+        return self.layers[0].shape.words
+
+    @property
+    def features(self) -> int:
+        """Features that the words hold; those behind the network's are 0."""
+        return self.inputs * _lanes(_FORMATS[self.precision])
+
+    def room(self, blocks: int) -> Float32Array:
+        """Return zeros [blocks, features, 16], for inputs that are to be rounded."""
+        return np.zeros((blocks, self.features, BLOCK), dtype=np.float32)
+
+    def words(self, blocks: int) -> Float32Array:
+        """Return room [blocks, inputs, 16] for inputs that a kernel makes as they are taken."""
+        return np.empty((blocks, self.inputs, BLOCK), dtype=np.float32)
+
+    def rounded(self, device: Device, stage: str, blocks: Float32Array) -> Float32Array:
+        """Return inputs [B, features, 16], those behind the network's own 0, as it takes them."""
+        if self.precision == "fp32":
+            return blocks
+        words = self.words(len(blocks))
+        out = {"out": words.view(np.uint32)}
+        kernel = f"render/quantise:to_{self.precision}"
+        run_blocks(device, stage, kernel, {"x": blocks}, out, {"scale": self.scale})
+        return words
+
+    def made(
+        self, device: Device, stage: str, kernel: str, given: Mapping[str, Words]
+    ) -> Float32Array:
+        """Return the inputs that a kernel makes of [B, ...] `given` it, as the network takes them.
+
+        For fp8 it is the kernel whose name ends in `_fp8`, which rounds them itself.
+        """
+        blocks = len(next(iter(given.values())))
+        if self.precision == "fp8":
+            words = self.words(blocks)
+            out: dict[str, Words] = {"out": words.view(np.uint32)}
+            run_blocks(device, stage, f"{kernel}_fp8", given, out, {"scale": self.scale})
+            return words
+        features = self.room(blocks)
+        own = features[:, : self.layers[0].shape.depth]
+        run_blocks(device, stage, kernel, given, {"out": own})
+        return self.rounded(device, "rounding", features)
+
+    def run(self, device: Device, stage: str, inputs: Float32Array) -> Float32Array:
+        """Return the last layer's outputs [B, outputs, 16] of inputs [B, inputs, 16] as `rounded`
+        makes them; of fp8 words of two float16.
+
+        In float32 a sum is one chain of fused multiply-adds in the order of the inputs, from the
+        bias, whatever computes it.
+
+        Raises
+        ------
+        SceneError
+            Operands are narrow, and the accelerator has no TPU-like modes, or a layer fits none:
+            the tiles have no kernel for them.
+        """
+        last = self.layers[-1].shape
+        if not len(inputs):
+            outputs = -(-last.cols // _lanes(last.results))
+            return np.zeros((0, outputs, BLOCK), dtype=np.float32)
+        mode = self.mode(device, len(inputs) * BLOCK)
+        if mode is not None:
+            words = self.precision != "fp32"
+            return run_systolic(device, stage, self.layers, inputs, mode, words=words)
+        for layer in self.layers:
+            inputs = _run_layer(device, stage, layer, inputs)
+        return inputs
+
+    def colours(self, device: Device, inputs: Float32Array, rgb: Words) -> None:
+        """Put sigmoids of the first three outputs into `rgb`, [B, 16, 3]."""
+        x: Words = self.run(device, "colour network", inputs)
+        kernel = "render/instant_ngp:colour"
+        if self.precision == "fp8":
+            kernel, x = f"{kernel}_fp8", x.view(np.uint32)
+        run_blocks(device, "colour", kernel, {"x": x}, {"out": rgb})
+
+    def mode(self, device: Device, samples: int = BLOCK) -> str | None:
+        """Return the TPU-like mode in which the network takes fewest cycles; None: it takes fewer
+        as a kernel on the tiles, or the samples are too few to make a program for them.
+
+        Raises
+        ------
+        SceneError
+            As of `run`.
+        """
+        is_narrow = self.precision != "fp32"
+        if samples < _FEWEST and not is_narrow:
+            return None
+        choice = tpu_choice(device, self.layers, samples)
+        if choice is not None and (is_narrow or choice.cycles < self._tile_cycles(device, samples)):
+            return choice.mode
+        if is_narrow:
+            raise SceneError(
+                f"{device.programs.machine.name} cannot run layers of {self.precision} numbers of "
+                "this size: it has no TPU-like mode for them",
+                loc="--precision",
+                hint="choose fp32, or the fabric vivid",
+            )
+        return None
+
+    def _tile_cycles(self, device: Device, samples: int) -> int:
+        shapes = [
+            (layer.shape.depth, layer.shape.cols, len(_parts(layer, device)))
+            for layer in self.layers
+        ]
+        return tile_cycles(shapes, samples, device.tiles)
 
 
 def dense_layer(
     weights: npt.ArrayLike, bias: npt.ArrayLike | None = None, relu: bool = False
-) -> DenseLayer:
-    """Pack a layer: weights [inputs, outputs] and bias [outputs], or both with a leading axis of
-    groups; no bias is one of zeros.
-    """
-    matrices = np.asarray(weights, dtype=np.float32)
-    matrices = matrices.reshape(-1, *matrices.shape[-2:])
-    groups, inputs, outputs = matrices.shape
-    blocks = -(-outputs // NEURONS)
-    shift = np.zeros((groups, outputs), dtype=np.float32)
+) -> Layer:
+    """Return a layer of float32: weights [inputs, outputs] and bias [outputs], or zeros."""
+    matrix = np.asarray(weights, dtype=np.float32)
+    shift = np.zeros(matrix.shape[1], dtype=np.float32)
     if bias is not None:
-        shift[:] = np.asarray(bias, dtype=np.float32).reshape(groups, outputs)
-    rows = np.zeros((groups, 1 + inputs, blocks * NEURONS), dtype=np.float32)
-    rows[:, 1:, :outputs] = matrices
-    rows[:, 0, :outputs] = shift
-    packed = rows.reshape(groups, 1 + inputs, blocks, NEURONS).transpose(0, 2, 1, 3)
-    return DenseLayer(matrices, shift, np.ascontiguousarray(packed), inputs, outputs, relu)
+        shift[:] = bias
+    return Layer(matrix, shift, "relu" if relu else "none")
 
 
-def in_blocks(rows: npt.NDArray[Word]) -> npt.NDArray[Word]:
-    """Return rows [n, F] as blocks [B, 16, F], the last one filled up with its last row."""
-    missing = -len(rows) % SAMPLES
-    if missing:
-        rows = np.concatenate((rows, np.repeat(rows[-1:], missing, axis=0)))
-    return np.ascontiguousarray(rows).reshape(-1, SAMPLES, rows.shape[1])
-
-
-def room_for(rows: int, *shape: int) -> Float32Array:
-    """Return room [B, 16, ...] for what becomes of rows."""
-    return np.empty((-(-rows // SAMPLES), SAMPLES, *shape), dtype=np.float32)
-
-
-def batches(most: int, *arrays: npt.NDArray[Any]) -> Iterator[tuple[slice, list[npt.NDArray[Any]]]]:
-    """Yield where the blocks of at most `most` rows lie among all blocks, and those of each array.
+def network(
+    layers: Sequence[Layer], precision: RenderPrecision, largest: Sequence[float] = ()
+) -> Network:
+    """Return a network whose operands have a format.
 
     Parameters
     ----------
-    most
-        A multiple of 16.
+    layers
+        Of float32.
+    largest
+        Magnitude of each layer's inputs; of no account for fp32.
     """
-    for first in range(0, len(arrays[0]), most):
-        blocks = [in_blocks(rows[first : first + most]) for rows in arrays]
-        yield slice(first // SAMPLES, first // SAMPLES + len(blocks[0])), blocks
+    if precision == "fp32":
+        return Network(tuple(layers), precision, np.float32(1))
+    fmt = _FORMATS[precision]
+    inputs, factors = exponents(largest, [layer.weights for layer in layers], FORMATS[fmt])
+    narrow = tuple(
+        replace(
+            layer,
+            weights=np.ldexp(layer.weights, factor),
+            bias=None if layer.bias is None else np.ldexp(layer.bias, before + factor),
+            precision=fmt,
+            results="f16" if precision == "fp8" and layer is layers[-1] else "f32",
+        )
+        for layer, before, factor in zip(layers, inputs, factors, strict=True)
+    )
+    return Network(narrow, precision, np.float32(2.0 ** inputs[0]))
 
 
-def run_network(
-    device: Device,
-    ledger: Ledger,
-    stage: str,
-    layers: Sequence[DenseLayer],
-    blocks: Float32Array,
-    groups: npt.NDArray[np.int32] | None = None,
-) -> Float32Array:
-    """Return the last layer's outputs of blocks of samples.
-
-    Without groups the network runs in a TPU-like mode if that is expected to take fewer cycles than
-    the kernel of layers on the tiles; the results are the same to the last bit.
-
-    Parameters
-    ----------
-    blocks
-        [B, inputs, 16] float32: 16 samples a block, feature by feature.
-    groups
-        [B] which of the layers' groups of weights each block takes, ascending.
-
-    Returns
-    -------
-    float32 [B, outputs, 16]. A sum is one chain of fused multiply-adds in the order
-    of the inputs, from the bias.
-    """
-    if groups is None and len(blocks):
-        products = [
-            Layer(layer.matrix[0], layer.bias[0], "relu" if layer.relu else "none")
-            for layer in layers
-        ]
-        mode = tpu_mode(device, layers, products, len(blocks) * SAMPLES)
-        if mode is not None:
-            return run_systolic(device, ledger, stage, products, blocks, mode)
-    values = blocks
-    for layer in layers:
-        values = _run_layer(device, ledger, stage, layer, values, groups)
-    return values
+def _lanes(fmt: Precision) -> int:
+    """Return how many numbers a word has."""
+    return FORMATS[fmt].lanes if fmt in FORMATS else 1
 
 
-def tpu_mode(
-    device: Device, layers: Sequence[DenseLayer], products: Sequence[Layer], samples: int
-) -> str | None:
-    """Return the TPU-like mode in which a network takes fewest cycles; None: it takes fewer as a
-    kernel on the tiles, or the samples are too few to make a program for them.
-    """
-    if samples < _FEWEST:
-        return None
-    shapes = [(layer.inputs, layer.outputs, len(_parts(layer, device, 1))) for layer in layers]
-    choice = tpu_choice(device, products, samples)
-    better = choice is not None and choice.cycles < tile_cycles(shapes, samples, device.tiles)
-    return choice.mode if choice is not None and better else None
-
-
-def _run_layer(
-    device: Device,
-    ledger: Ledger,
-    stage: str,
-    layer: DenseLayer,
-    values: Float32Array,
-    groups: npt.NDArray[np.int32] | None,
-) -> Float32Array:
-    """Run a layer, a part of its neurons after the other if its weights are many."""
-    parts = []
-    for packed in _parts(layer, device, 1 if groups is None else 2):
-        out = np.empty((len(values), packed.shape[1] * NEURONS, SAMPLES), dtype=np.float32)
-        BlockMap(
-            kernel=_KERNEL,
-            inputs={"x": values},
-            outputs={"out": out},
-            shared=[{"weights": group} for group in packed],
-            scalars={
-                "inputs": layer.inputs,
-                "neurons": packed.shape[1],
-                "least": np.float32(0) if layer.relu else _NO_LIMIT,
-            },
-            groups=groups,
-        ).run(device, ledger, stage)
+def _run_layer(device: Device, stage: str, layer: Layer, values: Float32Array) -> Float32Array:
+    """Run a layer on the tiles, a part of its neurons after the other if its weights are many."""
+    shape, parts = layer.shape, []
+    for packed in _parts(layer, device):
+        out = np.empty((len(values), len(packed) * _NEURONS, BLOCK), dtype=np.float32)
+        scalars = {
+            "inputs": shape.depth,
+            "neurons": len(packed),
+            "least": np.float32(0) if shape.relu else _NO_LIMIT,
+        }
+        run_blocks(
+            device, stage, _KERNEL, {"x": values}, {"out": out}, scalars, {"weights": packed}
+        )
         parts.append(out)
     whole = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
-    return whole[:, : layer.outputs]
+    return whole[:, : shape.cols]
 
 
-def _parts(layer: DenseLayer, device: Device, copies: int) -> list[Float32Array]:
+def _parts(layer: Layer, device: Device) -> list[Float32Array]:
     """Cut the neurons so that weights and two blocks of samples fit a scratchpad, into parts as
-    equal as possible.
+    equal as possible, [blocks of 8 neurons, 1 + inputs, 8]: biases, then weights; 0 for neurons
+    that fill the last block.
     """
-    neurons = layer.packed.shape[1]
-    weights = copies * layer.packed[0, :1].nbytes
-    samples = _PLACES * SAMPLES * WORD_BYTES
-    aligned = device.scratchpad_bytes - _PLACES * _ARRAYS * device.line_bytes
-    room = aligned - samples * layer.inputs
-    most = max(1, room // (weights + samples * NEURONS))
-    return np.array_split(layer.packed, -(-neurons // most), axis=1)
+    inputs, outputs = layer.weights.shape
+    blocks = -(-outputs // _NEURONS)
+    rows = np.zeros((1 + inputs, blocks * _NEURONS), dtype=np.float32)
+    rows[1:, :outputs] = layer.weights
+    rows[0, :outputs] = 0 if layer.bias is None else layer.bias
+    packed = rows.reshape(1 + inputs, blocks, _NEURONS).transpose(1, 0, 2)
+    samples = _PLACES * BLOCK * WORD_BYTES
+    room = device.scratchpad_bytes - _PLACES * _ARRAYS * device.line_bytes - samples * inputs
+    most = max(1, room // (packed[0].nbytes + samples * _NEURONS))
+    return np.array_split(np.ascontiguousarray(packed), -(-blocks // most))

@@ -12,7 +12,6 @@ from vividc.errors import ArchError
 from vividc.gemm import Layer, SystolicError, choose_layout, mlp_job
 from vividc.gemm.passes import with_arrays
 from vividc.render.array.device.device import Device
-from vividc.render.array.device.frame import Ledger
 from vividc.render.arrays import Float32Array
 
 _PRODUCT: Final = 7.9
@@ -64,7 +63,6 @@ def tpu_choice(device: Device, layers: Sequence[Layer], samples: int) -> Choice 
 
 def run_systolic(
     device: Device,
-    ledger: Ledger,
     stage: str,
     layers: Sequence[Layer],
     blocks: Float32Array,
@@ -79,7 +77,7 @@ def run_systolic(
     another view of them.
     """
     rows = np.ascontiguousarray(blocks.transpose(0, 2, 1)).reshape(-1, blocks.shape[1])
-    with ledger.timed(stage, mode):
+    with device.ledger.timed(stage, mode):
         run = mlp_job(
             rows,
             layers,
@@ -88,6 +86,6 @@ def run_systolic(
             engine=device.engine,
             words=words,
         )
-    ledger.add(stage, run.job, mode)
+    device.ledger.add(stage, run.job, mode)
     values = run.values.reshape(len(blocks), blocks.shape[2], -1)
     return np.ascontiguousarray(values.transpose(0, 2, 1))

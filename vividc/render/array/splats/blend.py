@@ -13,7 +13,7 @@ from vividc.launch.turns import deal
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.launch import Gathered, Launch
-from vividc.render.array.device.launches import run_shares
+from vividc.render.array.device.launches import Phase
 from vividc.render.array.options import RenderPrecision
 from vividc.render.array.splats.project import DeviceSplats
 from vividc.render.array.splats.sort import ScreenLists
@@ -23,8 +23,6 @@ from vividc.render.crop import TILE_PX
 
 _FILE = "render/splat_blend"
 _STAGE = "blend"
-_MAPPING_S = 150.0
-"""Seven loops; their IIs are the time of a frame."""
 _SIDE = 4
 _BLOCK_PIXELS = _SIDE * _SIDE
 _LIST_PART = 160
@@ -110,7 +108,6 @@ def _launches(
 
 def blend_splats(
     device: Device,
-    ledger: Ledger,
     splats: DeviceSplats,
     lists: ScreenLists,
     camera: Camera,
@@ -134,8 +131,8 @@ def blend_splats(
         )
     ]
     kernel, options = _kernel(culling, precision)
-    run_shares(device, ledger, _STAGE, kernel, shares, **options)
-    _count(ledger, counts, culling)
+    device.run_phases(_STAGE, [Phase(kernel, shares, options)])
+    _count(device.ledger, counts, culling)
     whole = image.reshape(rows * TILE_PX, columns * TILE_PX, 4)
     return np.ascontiguousarray(whole[: camera.height, : camera.width, :3])
 
@@ -156,8 +153,8 @@ def blend_program(
 
 def _kernel(culling: Culling, precision: RenderPrecision) -> tuple[str, dict[str, object]]:
     """Return the kernel, and options of its compilation."""
-    policy = {} if precision == "fp32" else {"precision": {"exp": precision}}
-    return f"{_FILE}:{_KERNELS[culling]}", {"time_limit_s": _MAPPING_S, **policy}
+    policy: dict[str, object] = {} if precision == "fp32" else {"precision": {"exp": precision}}
+    return f"{_FILE}:{_KERNELS[culling]}", policy
 
 
 def _count(ledger: Ledger, counts: Int32Array, culling: Culling) -> None:

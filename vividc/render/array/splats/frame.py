@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from vividc.render.array.device.device import Device, open_device
-from vividc.render.array.device.frame import ArrayFrame, Ledger
+from vividc.render.array.device.frame import ArrayFrame
 from vividc.render.array.options import ArrayOptions
 from vividc.render.array.sampling import pixels_of, sampled
 from vividc.render.array.splats.blend import EXP_EXCESS, Culling, blend_splats
@@ -65,26 +65,25 @@ def render_splats(
     _check_scratchpad(machine)
     columns, rows = screen_tiles(camera)
     arrays = device_scene(scene)
-    ledger = Ledger()
+    ledger = machine.ledger
     # A margin with which lookahead may go wrong does nothing without it.
     margin = chosen.exponent_margin if chosen.lookahead else BlendOptions().margin
     margin += EXP_EXCESS[chosen.precision]
-    splats = project_on_array(machine, ledger, arrays, camera, margin)
+    splats = project_on_array(machine, arrays, camera, margin)
     tell(_PROJECTED)
     screens = np.arange(columns * rows, dtype=np.int32)
     image = _white(camera)
     if len(splats):
-        lists = sort_on_array(machine, ledger, splats, columns, rows)
+        lists = sort_on_array(machine, splats, columns, rows)
         screens = sampled(np.diff(lists.start), chosen.sample)
         for stage in ledger.stages.values():
             stage.whole = True
         tell(_SORTED)
         culling = culling or ("pixels" if chosen.lookahead else "none")
-        image = blend_splats(
-            machine, ledger, splats, lists, camera, culling, screens, chosen.precision
-        )
+        image = blend_splats(machine, splats, lists, camera, culling, screens, chosen.precision)
         ledger.count(splats=len(splats), list_entries=len(lists.slots))
     tell(1.0)
+    machine.settle()
     corners = TILE_PX * np.stack((screens % columns, screens // columns), axis=1)
     return ArrayFrame(
         image,

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from vividc.render.array.device.device import Device
-from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.launch import Gathered, Launch
-from vividc.render.array.device.launches import Phase, in_turn, run_phases, run_shares
+from vividc.render.array.device.launches import Phase, in_turn
 from vividc.render.array.splats.scene import DeviceScene, camera_words, screen_tiles
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.camera import Camera
@@ -23,7 +22,6 @@ _MOST = 166
 _PLACE_WORDS = 4080
 """Of half a scratchpad, for the colours of a chunk."""
 _FILE = "render/splat_project"
-_MAPPING_S = 30.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,21 +61,19 @@ class DeviceSplats:
 
 
 def project_on_array(
-    device: Device, ledger: Ledger, scene: DeviceScene, camera: Camera, margin: float
+    device: Device, scene: DeviceScene, camera: Camera, margin: float
 ) -> DeviceSplats:
     """Project a scene, and compute the colours of the visible splats."""
     if len(scene.geometry) == 0:
         rows, entries = np.zeros((0, ROW_WORDS), np.float32), np.zeros((0, ENTRY_WORDS), np.int32)
         return DeviceSplats(rows, entries, np.zeros(0, np.int32), (), _MOST, 0, 0)
-    splats = _footprints(device, ledger, scene, camera, margin)
+    splats = _footprints(device, scene, camera, margin)
     if len(splats):
-        _colour(device, ledger, scene, camera, splats)
+        _colour(device, scene, camera, splats)
     return splats
 
 
-def _footprints(
-    device: Device, ledger: Ledger, scene: DeviceScene, camera: Camera, margin: float
-) -> DeviceSplats:
+def _footprints(device: Device, scene: DeviceScene, camera: Camera, margin: float) -> DeviceSplats:
     columns, rows = screen_tiles(camera)
     chunk = _chunk(len(scene.geometry), device.tiles)
     chunks = -(-len(scene.geometry) // chunk)
@@ -112,13 +108,9 @@ def _footprints(
     ]
     phases = [
         Phase(f"{_FILE}:splat_covariance", in_turn(covariances, device.tiles)),
-        Phase(
-            f"{_FILE}:splat_footprints",
-            in_turn(footprints, device.tiles),
-            {"time_limit_s": _MAPPING_S},
-        ),
+        Phase(f"{_FILE}:splat_footprints", in_turn(footprints, device.tiles)),
     ]
-    _, returned = run_phases(device, ledger, "projection", phases)
+    _, returned = device.run_phases("projection", phases)
     counts = tuple(returned[i % device.tiles][i // device.tiles] for i in range(chunks))
     seen = [i for i, count in enumerate(counts) if count]
     nearest = min((int(depths[i, 0]) for i in seen), default=0)
@@ -132,9 +124,7 @@ def _chunk(gaussians: int, tiles: int) -> int:
     return -(-share // -(-share // _MOST))
 
 
-def _colour(
-    device: Device, ledger: Ledger, scene: DeviceScene, camera: Camera, splats: DeviceSplats
-) -> None:
+def _colour(device: Device, scene: DeviceScene, camera: Camera, splats: DeviceSplats) -> None:
     """Fill in the colours of the splats that are seen; only their coefficients are fetched."""
     words = scene.appearance.shape[1]
     eye = {f"eye_{axis}": camera.position[k] for k, axis in enumerate("xyz")}
@@ -154,7 +144,7 @@ def _colour(
             )
         )
     kernel = f"{_FILE}:splat_colours_{scene.degree}"
-    run_shares(device, ledger, "colour", kernel, in_turn(launches, device.tiles))
+    device.run_shares("colour", kernel, in_turn(launches, device.tiles))
 
 
 def _pieces(spans: list[tuple[int, int]], most: int) -> list[tuple[int, int]]:

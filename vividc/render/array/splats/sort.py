@@ -15,9 +15,8 @@ from itertools import accumulate, pairwise
 import numpy as np
 
 from vividc.render.array.device.device import Device
-from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.launch import Launch, Move
-from vividc.render.array.device.launches import Phase, in_turn, run_phases, run_shares
+from vividc.render.array.device.launches import Phase, in_turn
 from vividc.render.array.splats.project import DeviceSplats
 from vividc.render.arrays import Int32Array
 from vividc.render.errors import SceneError
@@ -90,9 +89,7 @@ class _Scatter:
     ranged: bool
 
 
-def sort_on_array(
-    device: Device, ledger: Ledger, splats: DeviceSplats, columns: int, rows: int
-) -> ScreenLists:
+def sort_on_array(device: Device, splats: DeviceSplats, columns: int, rows: int) -> ScreenLists:
     """Sort the splats into the lists of `rows` x `columns` screen tiles.
 
     Raises
@@ -105,11 +102,11 @@ def sort_on_array(
             f"{len(splats)} splats are seen, and the array sorts {_CHUNK * _PLACE_COUNTS}",
             hint="render a part of the scene, or use --engine reference",
         )
-    ordered = _by_depth(device, ledger, splats)
-    return _bin(device, ledger, ordered, columns, rows)
+    ordered = _by_depth(device, splats)
+    return _bin(device, ordered, columns, rows)
 
 
-def _by_depth(device: Device, ledger: Ledger, splats: DeviceSplats) -> Int32Array:
+def _by_depth(device: Device, splats: DeviceSplats) -> Int32Array:
     """Return the entries [n, 3] by depth."""
     pieces = [splats.entries[first:last] for first, last in splats.spans()]
     bits = (splats.farthest - splats.nearest).bit_length()
@@ -117,25 +114,23 @@ def _by_depth(device: Device, ledger: Ledger, splats: DeviceSplats) -> Int32Arra
     for shift in range(0, max(bits, 1), _DIGIT_BITS):
         chunks = _chunks(pieces, len(splats), device.tiles)
         scalars = {"least": splats.nearest, "shift": shift}
-        counted = _count(device, ledger, stage, chunks, 1 << _DIGIT_BITS, "depth_counts", scalars)
+        counted = _count(device, stage, chunks, 1 << _DIGIT_BITS, "depth_counts", scalars)
         scatter = _Scatter("depth_scatter", 3, scalars, ranged=False)
         out = np.zeros((len(splats), 3), dtype=np.int32)
-        _scatter(device, ledger, stage, chunks, counted, scatter, out)
+        _scatter(device, stage, chunks, counted, scatter, out)
         pieces = [out]
     return pieces[0]
 
 
-def _bin(
-    device: Device, ledger: Ledger, ordered: Int32Array, columns: int, rows: int
-) -> ScreenLists:
+def _bin(device: Device, ordered: Int32Array, columns: int, rows: int) -> ScreenLists:
     """Return the lists of screen tiles of entries that are in the order of depth."""
     stage = "binning"
     count = "span_counts"
     chunks = _chunks([ordered], len(ordered), device.tiles)
-    counted = _count(device, ledger, stage, chunks, rows, count, {"words": 3, "shift": 0})
+    counted = _count(device, stage, chunks, rows, count, {"words": 3, "shift": 0})
     by_row = np.zeros((int(counted.totals[0]), 2), dtype=np.int32)
     scatter = _Scatter("row_scatter", 2, {}, ranged=True)
-    _scatter(device, ledger, stage, chunks, counted, scatter, by_row)
+    _scatter(device, stage, chunks, counted, scatter, by_row)
 
     starts = [*counted.places[0].tolist(), len(by_row)]
     lists = [by_row[first:last] for first, last in pairwise(starts)]
@@ -143,14 +138,14 @@ def _bin(
         _Chunk((some,), row) for row, entries in enumerate(lists) for some in _cut(entries, _CHUNK)
     ]
     scalars = {"words": 2, "shift": 16}
-    counted = _count(device, ledger, stage, chunks, columns, count, scalars, rows)
+    counted = _count(device, stage, chunks, columns, count, scalars, rows)
     # A row's lists come behind those of the rows before.
     base = np.zeros(rows + 1, dtype=np.int32)
     np.cumsum(counted.totals, out=base[1:])
     counted.places[:] += base[[chunk.group for chunk in chunks]][:, None]
     slots = np.zeros(int(base[-1]), dtype=np.int32)
     scatter = _Scatter("column_scatter", 1, {}, ranged=True)
-    _scatter(device, ledger, stage, chunks, counted, scatter, slots)
+    _scatter(device, stage, chunks, counted, scatter, slots)
     return ScreenLists(slots, _starts(chunks, counted.places, base, columns))
 
 
@@ -190,7 +185,6 @@ def _cut(entries: Int32Array, length: int) -> Iterator[Int32Array]:
 
 def _count(
     device: Device,
-    ledger: Ledger,
     stage: str,
     chunks: Sequence[_Chunk],
     digits: int,
@@ -223,7 +217,7 @@ def _count(
         Phase(f"{_FILE}:{kernel}", in_turn(launches, device.tiles)),
         Phase(f"{_FILE}:chunk_places", placed),
     ]
-    run_phases(device, ledger, stage, phases)
+    device.run_phases(stage, phases)
     return counted
 
 
@@ -246,7 +240,6 @@ def _place(counted: _Counted, group: int, span: slice) -> Iterator[Launch]:
 
 def _scatter(
     device: Device,
-    ledger: Ledger,
     stage: str,
     chunks: Sequence[_Chunk],
     counted: _Counted,
@@ -274,7 +267,7 @@ def _scatter(
                 },
             )
             shares[number % device.tiles].append(launch)
-    run_shares(device, ledger, stage, f"{_FILE}:{how.kernel}", shares)
+    device.run_shares(stage, f"{_FILE}:{how.kernel}", shares)
 
 
 def _ranges(counts: Int32Array, how: _Scatter) -> Iterator[tuple[int, int]]:
