@@ -58,8 +58,7 @@ def assert_like_reference(method: Method, device: Device, count: int) -> Ledger:
     exact, exact_features = model.density(points, linear)
     np.testing.assert_allclose(thickness, exact, rtol=method.thickness, atol=1e-6)
     np.testing.assert_allclose(features, exact_features, atol=method.features)
-    rays = np.arange(count, dtype=np.int32)
-    colour = field.colour(exact_features, points, rays, directions)
+    colour = field.colour(exact_features, points, directions)
     np.testing.assert_allclose(
         colour, model.colour(points, exact_features, directions, linear), atol=5e-5
     )
@@ -86,9 +85,8 @@ def test_a_sample_does_not_depend_on_the_others(method: Method, host: Host) -> N
     fewer, fewer_features = field.density(points[some])
     np.testing.assert_array_equal(fewer, thickness[some])
     np.testing.assert_array_equal(fewer_features, features[some])
-    rays = np.arange(200, dtype=np.int32)
-    whole = field.colour(features, points, rays, directions)
-    part = field.colour(features[some], points[some], rays[some], directions)
+    whole = field.colour(features, points, directions)
+    part = field.colour(features[some], points[some], directions[some])
     np.testing.assert_array_equal(part, whole[some])
 
 
@@ -99,8 +97,7 @@ def test_no_samples_at_all(method: Method, host: Host) -> None:
     none = np.zeros((0, 3), np.float32)
     thickness, features = field.density(none)
     assert thickness.shape == (0,)
-    rays = np.zeros(0, np.int32)
-    assert field.colour(features, none, rays, none).shape == (0, 3)
+    assert field.colour(features, none, none).shape == (0, 3)
 
 
 @pytest.mark.slow

@@ -45,9 +45,14 @@ class HostField(PointField):
         return thickness, np.ascontiguousarray(features)
 
     def colour(
-        self, features: np.ndarray, points: np.ndarray, rays: np.ndarray, directions: np.ndarray
+        self, features: np.ndarray, points: np.ndarray, directions: np.ndarray
     ) -> np.ndarray:
-        return self.model.colour(points, features, directions[rays], linear)
+        return self.model.colour(points, features, directions, linear)
+
+    def _density(self, *arrays: np.ndarray) -> None:
+        """Of batches, which it has none of."""
+
+    _colour = _density
 
 
 class NarrowField(HostField):
@@ -58,7 +63,7 @@ class NarrowField(HostField):
         return thickness, np.ascontiguousarray(points[:, :2])
 
     def colour(
-        self, features: np.ndarray, points: np.ndarray, rays: np.ndarray, directions: np.ndarray
+        self, features: np.ndarray, points: np.ndarray, directions: np.ndarray
     ) -> np.ndarray:
         np.testing.assert_array_equal(features, points[:, :2])
         return np.abs(points)

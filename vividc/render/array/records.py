@@ -10,7 +10,6 @@ from typing import Any, Final, TypeAlias, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.blocks import BLOCK
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.gather import gather_rows
@@ -287,10 +286,8 @@ class Kept(Listed):
     def _blocks_at_once(self, width: int, words: int) -> int:
         """Return how many blocks fit twice beside the rows of two pieces."""
         most = max(len(range(*piece.places.indices(len(self.computed)))) for piece in self.pieces)
-        held = WORD_BYTES * (width * most + _RAY_WORDS * RAYS)
-        own = BLOCK * WORD_BYTES * (1 + words)
-        lines = 2 * _ARRAYS * self.device.line_bytes
-        return max(1, (self.device.scratchpad_bytes - 2 * held - lines) // (2 * own))
+        held = width * most + _RAY_WORDS * RAYS
+        return max(1, self.device.fitting(BLOCK * (1 + words), 2 * held, _ARRAYS))
 
 
 def is_narrow(features: Features) -> bool:

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from vividc.launch.turns import neighbours
+from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.launch import Launch, Words
 from vividc.render.arrays import Float32Array
@@ -20,8 +21,6 @@ BLOCK: Final = 16
 """Rows of a block."""
 _LAUNCHES: Final = 4
 """A tile gets at least so many launches, so that there is something to hide transfers behind."""
-_PLACES: Final = 2
-"""Launches that shall fit a scratchpad: one runs while the next is moved in."""
 
 Word = TypeVar("Word", bound=np.generic)
 
@@ -31,7 +30,7 @@ def in_blocks(rows: npt.NDArray[Word]) -> npt.NDArray[Word]:
     missing = -len(rows) % BLOCK
     if missing:
         rows = np.concatenate((rows, np.repeat(rows[-1:], missing, axis=0)))
-    return np.ascontiguousarray(rows).reshape(-1, BLOCK, rows.shape[1])
+    return np.ascontiguousarray(rows).reshape(len(rows) // BLOCK, BLOCK, rows.shape[1])
 
 
 def room_for(rows: int, *shape: int) -> Float32Array:
@@ -76,10 +75,13 @@ def run_blocks(
     """
     common, held = dict(scalars or {}), dict(shared or {})
     counts = any(p.name == "blocks" for p in device.programs.get(kernel).params)
-    line = device.line_bytes
-    free = device.scratchpad_bytes - sum(array.nbytes + line for array in held.values())
+    line = device.line_bytes // WORD_BYTES
     arrays = (*inputs.values(), *outputs.values())
-    most = (free // _PLACES - line * len(arrays)) // sum(array[:1].nbytes for array in arrays)
+    most = device.fitting(
+        record=sum(array[0].size for array in arrays),
+        held=sum(array.size + line for array in held.values()),
+        arrays=len(arrays),
+    )
 
     def launch(first: int, last: int) -> Launch:
         return Launch(

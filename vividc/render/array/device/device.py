@@ -51,6 +51,21 @@ class Device:
         """A word of each bank: what it takes at most that an array starts in a certain bank."""
         return WORD_BYTES * self.programs.machine.fabric.scratchpad.banks
 
+    def fitting(self, record: int, held: int = 0, arrays: int = 0, copies: int = 2) -> int:
+        """Return how many records of so many words a launch may have, so that `copies` launches fit
+        a scratchpad: one runs while the next is moved in.
+
+        Parameters
+        ----------
+        held
+            Words of what lies beside them.
+        arrays
+            Of a launch; each may lose a word of each bank to where it begins.
+        """
+        line = self.line_bytes // WORD_BYTES
+        free = self.scratchpad_bytes // WORD_BYTES - held - copies * arrays * line
+        return max(free, 0) // (copies * record)
+
     @property
     def clock_ghz(self) -> float:
         """Of the tiles."""

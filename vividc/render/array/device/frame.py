@@ -53,23 +53,22 @@ class Ledger:
 
     def add(self, name: str, result: JobResult, mode: str = "gpu") -> None:
         """Book a simulated job under a stage."""
-        stage = self.stages.setdefault(name, Stage(name, mode))
-        stage.cycles += result.cycles
-        stage.jobs += 1
-        stage.runs += len(result.values)
-        stage.stats.append(result.stats)
+        self._take(Stage(name, mode, result.cycles, 1, len(result.values), [result.stats]))
 
     def merge(self, other: Ledger) -> None:
         """Append what another ledger has booked."""
-        for name, theirs in other.stages.items():
-            stage = self.stages.setdefault(name, Stage(name, theirs.mode))
-            stage.cycles += theirs.cycles
-            stage.jobs += theirs.jobs
-            stage.runs += theirs.runs
-            stage.stats += theirs.stats
-            stage.seconds += theirs.seconds
-            stage.whole |= theirs.whole
+        for stage in other.stages.values():
+            self._take(stage)
         self.count(**other.counts)
+
+    def _take(self, more: Stage) -> None:
+        stage = self.stages.setdefault(more.name, Stage(more.name, more.mode))
+        stage.cycles += more.cycles
+        stage.jobs += more.jobs
+        stage.runs += more.runs
+        stage.stats += more.stats
+        stage.seconds += more.seconds
+        stage.whole |= more.whole
 
     def count(self, **numbers: int) -> None:
         """Add to named counts: samples, survivors, exps."""
@@ -83,8 +82,7 @@ class Ledger:
         try:
             yield
         finally:
-            stage = self.stages.setdefault(name, Stage(name, mode))
-            stage.seconds += perf_counter() - start
+            self._take(Stage(name, mode, seconds=perf_counter() - start))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

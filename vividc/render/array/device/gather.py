@@ -8,7 +8,6 @@ from typing import Final, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.launch import Gathered, Launch
 from vividc.render.array.device.launches import in_turn
@@ -31,8 +30,7 @@ def gather_rows(
         Pieces of indices, wherever they are in DRAM.
     """
     result = np.zeros((sum(map(len, rows)), *table.shape[1:]), dtype=table.dtype)
-    half = device.scratchpad_bytes // 2
-    most = max(1, min(_MOST_ROWS, half // max(table[:1].nbytes, WORD_BYTES)))
+    most = max(1, min(_MOST_ROWS, device.fitting(max(table[:1].size, 1))))
     launches: list[Launch] = []
     done = 0
     for piece in rows:

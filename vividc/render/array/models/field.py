@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from itertools import accumulate, pairwise
+from typing import Final
 
+from vividc.render.array.device.blocks import BLOCK, batches, room_for
 from vividc.render.array.device.device import Device
+from vividc.render.array.device.gather import gather_rows
 from vividc.render.array.records import Colours, Densities, Features, Kept, Listed
-from vividc.render.arrays import Float32Array, Int32Array
+from vividc.render.arrays import Float32Array
 from vividc.render.radiance.volume import Sampled
+
+_CHANNELS: Final = 3
 
 
 class ArrayField(ABC):
@@ -37,7 +42,14 @@ class ArrayField(ABC):
 
 
 class PointField(ArrayField):
-    """A field that asks for points and their rays, and gives back what they have in their order."""
+    """A field that asks for points, and gives back what they have in their order, a batch after the
+    other.
+    """
+
+    batch: int
+    """Samples that go through the stages together; a multiple of a block's."""
+    words = 0
+    """Of a point's features."""
 
     def densities(self, listed: Listed) -> Densities:
         """Return what samples have, in their order."""
@@ -46,26 +58,44 @@ class PointField(ArrayField):
     def colours(self, kept: Kept) -> Colours:
         """Return the colours of samples, in their order."""
         features = kept.features()
-        rgb = self.colour(features, *kept.located(), kept.directions)
+        points, rays = kept.located()
+        directions = gather_rows(self._device, "compaction", kept.directions, [rays])
+        rgb = self.colour(features, points, directions)
         bounds = accumulate(kept.lengths, initial=0)
         return Colours([rgb[first:last] for first, last in pairwise(bounds)])
 
-    @abstractmethod
     def density(self, points: Float32Array) -> tuple[Float32Array, Features]:
-        """Return optical thickness [n] of one step at `points` [n, 3], and features [n, F]."""
+        """Return optical thickness [n] of one step at `points` [n, 3], and features [n, words]."""
+        count = len(points)
+        thickness, features = room_for(count), room_for(count, self.words)
+        for place, (blocks,) in batches(self.batch, points):
+            self._density(blocks, thickness[place], features[place])
+        rows = features.reshape(len(features) * BLOCK, self.words)
+        return thickness.reshape(-1)[:count], rows[:count]
+
+    def colour(
+        self, features: Features, points: Float32Array, directions: Float32Array
+    ) -> Float32Array:
+        """Return r, g, b [n, 3] of points [n, 3], seen along unit directions [n, 3]; features are
+        rows of what `density` returned.
+        """
+        rgb = room_for(len(points), _CHANNELS)
+        for place, (rows, where, seen) in batches(self.batch, features, points, directions):
+            self._colour(rows, where, seen, rgb[place])
+        return rgb.reshape(-1, _CHANNELS)[: len(points)]
 
     @abstractmethod
-    def colour(
-        self, features: Features, points: Float32Array, rays: Int32Array, directions: Float32Array
-    ) -> Float32Array:
-        """Return r, g, b [n, 3] of points [n, 3], seen along the unit direction of their rays.
+    def _density(
+        self, points: Float32Array, thickness: Float32Array, features: Float32Array
+    ) -> None:
+        """Put into [B, 16] and [B, 16, words] what blocks of points [B, 16, 3] have."""
 
-        Parameters
-        ----------
-        features
-            [n, F] rows of what `density` returned.
-        rays
-            [n] rows of `directions`; those of points in a row lie near each other.
-        directions
-            [R, 3] of rays, (0, 0, 0) outside the picture.
-        """
+    @abstractmethod
+    def _colour(
+        self,
+        features: Float32Array,
+        points: Float32Array,
+        directions: Float32Array,
+        rgb: Float32Array,
+    ) -> None:
+        """Put the colours of blocks of points into [B, 16, 3]."""

@@ -9,25 +9,20 @@ from typing import Final
 import numpy as np
 
 from vividc.machine.words import WORD_BYTES
-from vividc.render.array.device.blocks import BLOCK, batches, in_blocks, room_for, run_blocks
+from vividc.render.array.device.blocks import BLOCK, in_blocks, run_blocks
 from vividc.render.array.device.device import Device
-from vividc.render.array.device.gather import gather_rows
-from vividc.render.array.device.launch import Words
 from vividc.render.array.models.field import PointField
 from vividc.render.array.models.hash_encoding import hash_encoding
 from vividc.render.array.network.calibration import largest_inputs
 from vividc.render.array.network.networks import dense_layer, network
 from vividc.render.array.options import RenderPrecision
-from vividc.render.array.records import Colours, Features, Kept, UInt32Array
-from vividc.render.arrays import Float32Array, Int32Array
+from vividc.render.array.records import Colours, Kept, UInt32Array
+from vividc.render.arrays import Float32Array
 from vividc.render.radiance import InstantNGP
 from vividc.render.radiance.instant_ngp import DIRECTION_TERMS
 
-_BATCH: Final = 131_072
-"""Samples that go through the stages together; a multiple of a block's."""
 _ROWS_SHARE: Final = 0.375
 """Of a scratchpad for a piece's features, which it holds twice."""
-_CHANNELS: Final = 3
 _LANES: Final = 4
 """Numbers of float8 in a word."""
 _KERNELS: Final = "render/instant_ngp"
@@ -52,6 +47,8 @@ class InstantNGPField(PointField):
         no array in this format.
     """
 
+    batch = 131_072
+
     def __init__(
         self, model: InstantNGP, device: Device, precision: RenderPrecision = "fp32"
     ) -> None:
@@ -65,9 +62,8 @@ class InstantNGPField(PointField):
         last = np.pad(last, ((0, 0), (0, missing)))
         density_layers = [dense_layer(first, relu=True), dense_layer(last)]
         self._density_network = network(density_layers, precision, _of(largest, "sigma"))
-        self._is_fp8 = precision == "fp8"
-        scale = self._density_network.scale if self._is_fp8 else None
-        self._encoding = hash_encoding(model, scale)
+        is_fp8 = self._density_network.is_fp8
+        self._encoding = hash_encoding(model, self._density_network.scale if is_fp8 else None)
         first, *others = model.colour_weights
         # The kernel puts the direction's terms before the features.
         swapped = np.concatenate((first[-DIRECTION_TERMS:], first[:-DIRECTION_TERMS]))
@@ -77,81 +73,59 @@ class InstantNGPField(PointField):
             for weights, hidden in zip((swapped, *others), (True, True, False), strict=True)
         ]
         self._colour_network = network(colour_layers, precision, _of(largest, "rgb"))
-        self._features = last.shape[1]
-        if self._is_fp8:
+        self.words = last.shape[1] // (_LANES if is_fp8 else 1)
+        if is_fp8:
             words = device.scratchpad_bytes // WORD_BYTES
-            self.most_samples = int(_ROWS_SHARE * words) // (self._features // _LANES)
+            self.most_samples = int(_ROWS_SHARE * words) // self.words
         for net in (self._density_network, self._colour_network):
             net.mode(device)
 
-    def density(self, points: Float32Array) -> tuple[Float32Array, Features]:
-        """Return optical thickness [n] of one step, and the density network's outputs: [n, F], or
-        float8 for the colour network, four to a word.
-        """
-        count = len(points)
-        width = self._features // _LANES if self._is_fp8 else self._features
-        thickness, features = room_for(count), room_for(count, width)
-        for place, (blocks,) in batches(_BATCH, points):
-            self._density(blocks, thickness[place], features[place])
-        words = features.reshape(-1, width)[:count]
-        return thickness.reshape(-1)[:count], words.view(np.uint32) if self._is_fp8 else words
-
     def colours(self, kept: Kept) -> Colours:
         """Return r, g, b [n, 3] of each piece's samples."""
-        if not self._is_fp8:
+        net = self._colour_network
+        if not net.is_fp8:
             return super().colours(kept)
         # A direction is encoded once for all samples of its ray.
-        kernel, net = f"{_KERNELS}:colour_inputs_fp8", self._colour_network
+        kernel = f"{_KERNELS}:colour_inputs_fp8"
         inputs = kept.in_blocks(kernel, self._encoded(kept.directions), net.inputs)
-        rgb = np.empty((len(inputs), BLOCK, _CHANNELS), dtype=np.float32)
-        for first in range(0, len(inputs), _BATCH // BLOCK):
-            place = slice(first, first + _BATCH // BLOCK)
+        rgb = np.empty((len(inputs), BLOCK, 3), dtype=np.float32)
+        for first in range(0, len(inputs), self.batch // BLOCK):
+            place = slice(first, first + self.batch // BLOCK)
             net.colours(self._device, inputs[place].view(np.float32), rgb[place])
-        rows = rgb.reshape(-1, _CHANNELS)
+        rows = rgb.reshape(-1, 3)
         firsts = accumulate((-(-n // BLOCK) * BLOCK for n in kept.lengths), initial=0)
         of_pieces = zip(firsts, kept.lengths, strict=False)
         return Colours([rows[first : first + n] for first, n in of_pieces])
-
-    def colour(
-        self, features: Features, points: Float32Array, rays: Int32Array, directions: Float32Array
-    ) -> Float32Array:
-        """Return r, g, b [n, 3] of features that are not float8, seen along their rays' unit
-        `directions` [R, 3].
-        """
-        device, net = self._device, self._colour_network
-        count = len(features)
-        rgb = room_for(count, _CHANNELS)
-        for place, (blocks, chosen) in batches(_BATCH, features, rays[:, None]):
-            seen = gather_rows(device, "compaction", directions, [chosen.reshape(-1)])
-            given: dict[str, Words] = {
-                "features": blocks,
-                "directions": seen.reshape(-1, BLOCK, _CHANNELS),
-            }
-            kernel = f"{_KERNELS}:colour_inputs"
-            inputs = net.made(device, "direction encoding", kernel, given)
-            net.colours(device, inputs, rgb[place])
-        return rgb.reshape(-1, _CHANNELS)[:count]
 
     def _density(
         self, points: Float32Array, thickness: Float32Array, features: Float32Array
     ) -> None:
         device, net = self._device, self._density_network
-        inputs = net.words(len(points)) if self._is_fp8 else net.room(len(points))
+        inputs = net.empty(len(points))
         self._encoding.encode(device, "hash encoding", points.reshape(-1, 3), inputs)
-        if not self._is_fp8:
-            inputs = net.rounded(device, "rounding", inputs)
-        outputs: Words = net.run(device, "density network", inputs)
+        outputs = net.run(device, "density network", net.rounded(device, inputs))
         scalars = {
             "limit": np.float32(self._model.exponent_max),
             "step": np.float32(self._model.march.step),
         }
-        made: dict[str, Words] = {"thickness": thickness, "features": features}
-        kernel = f"{_KERNELS}:density"
-        if self._is_fp8:
+        if net.is_fp8:
             scalars["scale"] = self._colour_network.scale
-            made["features"] = features.view(np.uint32)
-            kernel, outputs = f"{kernel}_fp8", outputs.view(np.uint32)
-        run_blocks(device, "density", kernel, {"x": outputs}, made, scalars)
+        made = {"thickness": thickness, "features": net.bits(features)}
+        kernel = net.named(f"{_KERNELS}:density")
+        run_blocks(device, "density", kernel, {"x": net.bits(outputs)}, made, scalars)
+
+    def _colour(
+        self,
+        features: Float32Array,
+        points: Float32Array,
+        directions: Float32Array,
+        rgb: Float32Array,
+    ) -> None:
+        """Of features that are not float8."""
+        device, net = self._device, self._colour_network
+        given = {"features": features, "directions": directions}
+        kernel = f"{_KERNELS}:colour_inputs"
+        net.colours(device, net.made(device, "direction encoding", kernel, given), rgb)
 
     def _encoded(self, directions: Float32Array) -> UInt32Array:
         """Return the directions' terms as float8 words, [R, 4] uint32."""

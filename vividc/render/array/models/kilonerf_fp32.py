@@ -9,7 +9,6 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.models.kilonerf_half import Half, Networks
 from vividc.render.arrays import Float32Array
@@ -24,7 +23,7 @@ _AT_ONCE: Final = 12
 """Samples of a launch, at most."""
 _QUAD: Final = 4
 _OCTET: Final = 8
-_SPARE_BYTES: Final = 1024
+_SPARE_WORDS: Final = 256
 
 
 def fp32_networks(model: KiloNeRF, device: Device) -> Networks:
@@ -64,10 +63,10 @@ def _encoded(device: Device, vectors: Float32Array, kind: str, terms: int) -> Fl
 def _samples_at_once(hidden: int, device: Device) -> int:
     """Return how many samples fit beside a network's weights, in fours."""
     weights = (_POSITION_TERMS + hidden + hidden + _OCTET) * hidden + 4 * hidden
-    free = device.scratchpad_bytes - WORD_BYTES * weights - _SPARE_BYTES
-    row = WORD_BYTES * (_POSITION_TERMS + 2 * hidden + _OCTET)
+    row = _POSITION_TERMS + 2 * hidden + _OCTET
     for copies in (2, 1):
-        count: int = min(_AT_ONCE, free // (copies * row)) // _QUAD * _QUAD
+        room = device.fitting(row, weights + _SPARE_WORDS, copies=copies)
+        count = min(_AT_ONCE, room) // _QUAD * _QUAD
         if count:
             return count
     raise SceneError(

@@ -15,9 +15,12 @@ from vividc.render.errors import SceneError
 from vividc.render.radiance import KiloNeRF
 
 _FILE: Final = "render/kilonerf_fp8"
-_AT_ONCE: Final = 144
-"""Samples of a launch: as many as fit twice beside the weights of two networks."""
-_ROOM: Final = (_AT_ONCE * CHUNK_WORDS,)
+_PLACE_WORDS: Final = 4
+"""A sample's place in its cell, and its thickness."""
+_ARRAYS: Final = 6
+"""Of the kernel of densities."""
+_TOGETHER: Final = 2
+"""Samples that the kernels compute together."""
 
 
 def fp8_networks(model: KiloNeRF, device: Device) -> Networks:
@@ -38,9 +41,14 @@ def fp8_networks(model: KiloNeRF, device: Device) -> Networks:
         )
     words = fp8_words(model)
     step = model.march.step
+    # Beside the weights of two networks lie what two launches move, and hidden layers once.
+    record = 2 * (_PLACE_WORDS + CHUNK_WORDS) + 2 * CHUNK_WORDS
+    most = device.fitting(record, 2 * words.density[0].size, 2 * _ARRAYS, copies=1)
+    samples = most // _TOGETHER * _TOGETHER
+    room = (samples * CHUNK_WORDS,)
     return Networks(
-        at_once=_AT_ONCE,
-        together=2,
+        at_once=samples,
+        together=_TOGETHER,
         extra=2.0,
         density=Half(
             kernel=f"{_FILE}:density_network",
@@ -48,19 +56,19 @@ def fp8_networks(model: KiloNeRF, device: Device) -> Networks:
             takes=[("local", 0)],
             shapes=lambda count: {
                 "local": (count, 3),
-                "features": _ROOM,
+                "features": room,
                 "thickness": (count,),
             },
             scalars=lambda network: {"step": float(step * words.density_units[network])},
-            work={"low": _ROOM, "high": _ROOM},
+            work={"low": room, "high": room},
         ),
         colour=Half(
             kernel=f"{_FILE}:colour_network",
             weights=words.colour,
             takes=[("features", 0), ("seen", 0)],
-            shapes=lambda count: {"features": _ROOM, "seen": _ROOM, "colours": (count, 3)},
+            shapes=lambda count: {"features": room, "seen": room, "colours": (count, 3)},
             scalars=lambda network: {"unit": float(words.colour_units[network])},
-            work={"hidden": _ROOM},
+            work={"hidden": room},
         ),
         features=("features", CHUNK_WORDS),
         positions=lambda _, local: local,  # the kernel encodes them itself

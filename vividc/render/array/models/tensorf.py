@@ -7,21 +7,17 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from vividc.render.array.device.blocks import BLOCK, batches, room_for, run_blocks
+from vividc.render.array.device.blocks import BLOCK, run_blocks
 from vividc.render.array.device.device import Device
-from vividc.render.array.device.gather import gather_rows
 from vividc.render.array.models.factors import CHANNELS, KERNELS, channel_pairs, factor_grid
 from vividc.render.array.models.field import PointField
 from vividc.render.array.network.calibration import largest_inputs
 from vividc.render.array.network.networks import dense_layer, network
 from vividc.render.array.options import RenderPrecision
-from vividc.render.array.records import Features
-from vividc.render.arrays import Float32Array, Int32Array
+from vividc.render.arrays import Float32Array
 from vividc.render.radiance import TensoRF
 from vividc.render.radiance.tensorf import LINE_AXES
 
-_BATCH: Final = 65_536
-"""Samples that go through the stages together; a multiple of a block's."""
 _CHANNELS: Final = 3
 _FEATURES: Final = 27
 
@@ -44,26 +40,27 @@ class TensoRFField(PointField):
         Its networks run on no array in this format.
     """
 
+    batch = 65_536
+
     def __init__(self, model: TensoRF, device: Device, precision: RenderPrecision = "fp32") -> None:
         super().__init__(model, device)
         self._model = model
         lines = dict(zip(LINE_AXES, model.density_factors, strict=True))
         self._grid = factor_grid(model.march, [len(lines[axis].line) for axis in range(3)], device)
         largest = None if precision == "fp32" else largest_inputs(model)
-        self._is_fp8 = precision == "fp8"
         basis = dense_layer(_spread(model))
         self._basis = network([basis], precision, [largest["basis"]] if largest else ())
-        one = np.float32(1)
-        scale = self._basis.scale if self._is_fp8 else one
-        self._density_pairs = channel_pairs(model.density_factors, self._is_fp8, one)
-        self._appearance_pairs = channel_pairs(model.appearance_factors, self._is_fp8, scale)
+        one, is_fp8 = np.float32(1), self._basis.is_fp8
+        scale = self._basis.scale if is_fp8 else one
+        self._density_pairs = channel_pairs(model.density_factors, is_fp8, one)
+        self._appearance_pairs = channel_pairs(model.appearance_factors, is_fp8, scale)
         layers = [
             dense_layer(weights, bias, relu=hidden)
             for weights, bias, hidden in zip(
                 model.weights, model.biases, (True, True, False), strict=True
             )
         ]
-        if precision == "fp8":
+        if is_fp8:
             # The order in which the kernel makes words of them.
             layers[0] = dense_layer(model.weights[0][_by_words()], model.biases[0], relu=True)
         names = [f"mlp{index}" for index in range(len(layers))]
@@ -73,28 +70,11 @@ class TensoRFField(PointField):
         for net in (self._basis, self._colour_network):
             net.mode(device)
 
-    def density(self, points: Float32Array) -> tuple[Float32Array, Float32Array]:
-        """Return optical thickness [n] of one step, and no features, [n, 0]."""
-        count = len(points)
-        thickness = room_for(count)
-        for place, (blocks,) in batches(_BATCH, points):
-            self._density(blocks.reshape(-1, 3), thickness[place])
-        return thickness.reshape(-1)[:count], np.zeros((count, 0), dtype=np.float32)
-
-    def colour(
-        self, features: Features, points: Float32Array, rays: Int32Array, directions: Float32Array
-    ) -> Float32Array:
-        """Return r, g, b [n, 3] of points seen along their rays' unit `directions` [R, 3]."""
-        count = len(points)
-        directions = gather_rows(self._device, "compaction", directions, [rays])
-        rgb = room_for(count, _CHANNELS)
-        for place, (blocks, seen) in batches(_BATCH, points, directions):
-            self._colour(blocks.reshape(-1, 3), seen, rgb[place])
-        return rgb.reshape(-1, _CHANNELS)[:count]
-
-    def _density(self, points: Float32Array, thickness: Float32Array) -> None:
+    def _density(
+        self, points: Float32Array, thickness: Float32Array, features: Float32Array
+    ) -> None:
         model = self._model
-        sums = self._grid.sums("density factors", points, self._density_pairs)
+        sums = self._grid.sums("density factors", points.reshape(-1, 3), self._density_pairs)
         # A block's sums of each pair are apart.
         given = {"sums": sums.reshape(len(sums), -1, BLOCK).transpose(1, 0, 2)}
         scalars = {
@@ -104,17 +84,19 @@ class TensoRFField(PointField):
         made = {"thickness": thickness}
         run_blocks(self._device, "density", f"{KERNELS}:density", given, made, scalars)
 
-    def _colour(self, points: Float32Array, directions: Float32Array, rgb: Float32Array) -> None:
-        device = self._device
-        products = self._grid.products("appearance factors", points, self._appearance_pairs)
-        if not self._is_fp8:
-            products = self._basis.rounded(device, "rounding", products)
-        features = self._basis.run(device, "basis", products)
-        given = {
-            "features": features.view(np.uint32) if self._is_fp8 else features,
-            "directions": directions,
-        }
-        net, kernel = self._colour_network, f"{KERNELS}:colour_inputs"
+    def _colour(
+        self,
+        features: Float32Array,
+        points: Float32Array,
+        directions: Float32Array,
+        rgb: Float32Array,
+    ) -> None:
+        device, basis, net = self._device, self._basis, self._colour_network
+        pairs = self._appearance_pairs
+        products = self._grid.products("appearance factors", points.reshape(-1, 3), pairs)
+        appearance = basis.run(device, "basis", basis.rounded(device, products))
+        given = {"features": basis.bits(appearance), "directions": directions}
+        kernel = f"{KERNELS}:colour_inputs"
         net.colours(device, net.made(device, "position encoding", kernel, given), rgb)
 
 

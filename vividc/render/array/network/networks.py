@@ -13,7 +13,6 @@ import numpy.typing as npt
 
 from vividc.formats import FORMATS
 from vividc.gemm import Layer, Precision
-from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.blocks import BLOCK, run_blocks
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.launch import Words
@@ -28,6 +27,7 @@ _NEURONS: Final = 8
 """Of a block of weights."""
 _KERNEL: Final = "render/layers:layer"
 _PLACES: Final = 2
+"""Launches that fit a scratchpad beside the weights."""
 _ARRAYS: Final = 3
 """Of the kernel of layers."""
 _NO_LIMIT: Final = np.float32(-np.inf)
@@ -67,41 +67,47 @@ class Network:
         """Features that the words hold; those behind the network's are 0."""
         return self.inputs * _lanes(_FORMATS[self.precision])
 
-    def room(self, blocks: int) -> Float32Array:
-        """Return zeros [blocks, features, 16], for inputs that are to be rounded."""
+    @property
+    def is_fp8(self) -> bool:
+        """Whether kernels read and write words for it: those whose names end in `_fp8`."""
+        return self.precision == "fp8"
+
+    def named(self, kernel: str) -> str:
+        """Return the name of a kernel that works on what the network takes or leaves."""
+        return f"{kernel}_fp8" if self.is_fp8 else kernel
+
+    def bits(self, array: Float32Array) -> Words:
+        """Return the numbers, or words, of what the network takes or leaves."""
+        return array.view(np.uint32) if self.is_fp8 else array
+
+    def empty(self, blocks: int) -> Float32Array:
+        """Return room for inputs that a kernel makes: for words [blocks, inputs, 16], or zeros
+        [blocks, features, 16] that are rounded afterwards.
+        """
+        if self.is_fp8:
+            return np.empty((blocks, self.inputs, BLOCK), dtype=np.float32)
         return np.zeros((blocks, self.features, BLOCK), dtype=np.float32)
 
-    def words(self, blocks: int) -> Float32Array:
-        """Return room [blocks, inputs, 16] for inputs that a kernel makes as they are taken."""
-        return np.empty((blocks, self.inputs, BLOCK), dtype=np.float32)
-
-    def rounded(self, device: Device, stage: str, blocks: Float32Array) -> Float32Array:
-        """Return inputs [B, features, 16], those behind the network's own 0, as it takes them."""
-        if self.precision == "fp32":
+    def rounded(self, device: Device, blocks: Float32Array) -> Float32Array:
+        """Return what a kernel put into `empty` room as the network takes it."""
+        if self.precision != "fp16":
             return blocks
-        words = self.words(len(blocks))
-        out = {"out": words.view(np.uint32)}
-        kernel = f"render/quantise:to_{self.precision}"
-        run_blocks(device, stage, kernel, {"x": blocks}, out, {"scale": self.scale})
+        words = np.empty((len(blocks), self.inputs, BLOCK), dtype=np.float32)
+        out, scalars = {"out": words.view(np.uint32)}, {"scale": self.scale}
+        run_blocks(device, "rounding", "render/quantise:to_fp16", {"x": blocks}, out, scalars)
         return words
 
     def made(
         self, device: Device, stage: str, kernel: str, given: Mapping[str, Words]
     ) -> Float32Array:
-        """Return the inputs that a kernel makes of [B, ...] `given` it, as the network takes them.
-
-        For fp8 it is the kernel whose name ends in `_fp8`, which rounds them itself.
+        """Return the inputs that a kernel (`named`) makes of [B, ...] `given` it, as the network
+        takes them.
         """
-        blocks = len(next(iter(given.values())))
-        if self.precision == "fp8":
-            words = self.words(blocks)
-            out: dict[str, Words] = {"out": words.view(np.uint32)}
-            run_blocks(device, stage, f"{kernel}_fp8", given, out, {"scale": self.scale})
-            return words
-        features = self.room(blocks)
-        own = features[:, : self.layers[0].shape.depth]
-        run_blocks(device, stage, kernel, given, {"out": own})
-        return self.rounded(device, "rounding", features)
+        inputs = self.empty(len(next(iter(given.values()))))
+        own = inputs if self.is_fp8 else inputs[:, : self.layers[0].shape.depth]
+        scalars = {"scale": self.scale} if self.is_fp8 else {}
+        run_blocks(device, stage, self.named(kernel), given, {"out": self.bits(own)}, scalars)
+        return self.rounded(device, inputs)
 
     def run(self, device: Device, stage: str, inputs: Float32Array) -> Float32Array:
         """Return the last layer's outputs [B, outputs, 16] of inputs [B, inputs, 16] as `rounded`
@@ -130,11 +136,10 @@ class Network:
 
     def colours(self, device: Device, inputs: Float32Array, rgb: Words) -> None:
         """Put sigmoids of the first three outputs into `rgb`, [B, 16, 3]."""
-        x: Words = self.run(device, "colour network", inputs)
-        kernel = "render/instant_ngp:colour"
-        if self.precision == "fp8":
-            kernel, x = f"{kernel}_fp8", x.view(np.uint32)
-        run_blocks(device, "colour", kernel, {"x": x}, {"out": rgb})
+        x = self.bits(self.run(device, "colour network", inputs))
+        run_blocks(
+            device, "colour", self.named("render/instant_ngp:colour"), {"x": x}, {"out": rgb}
+        )
 
     def mode(self, device: Device, samples: int = BLOCK) -> str | None:
         """Return the TPU-like mode in which the network takes fewest cycles; None: it takes fewer
@@ -149,8 +154,9 @@ class Network:
         if samples < _FEWEST and not is_narrow:
             return None
         choice = tpu_choice(device, self.layers, samples)
-        if choice is not None and (is_narrow or choice.cycles < self._tile_cycles(device, samples)):
-            return choice.mode
+        if choice is not None:
+            mode, cycles = choice
+            return mode if is_narrow or cycles < self._tile_cycles(device, samples) else None
         if is_narrow:
             raise SceneError(
                 f"{device.programs.machine.name} cannot run layers of {self.precision} numbers of "
@@ -242,7 +248,7 @@ def _parts(layer: Layer, device: Device) -> list[Float32Array]:
     rows[1:, :outputs] = layer.weights
     rows[0, :outputs] = 0 if layer.bias is None else layer.bias
     packed = rows.reshape(1 + inputs, blocks, _NEURONS).transpose(1, 0, 2)
-    samples = _PLACES * BLOCK * WORD_BYTES
-    room = device.scratchpad_bytes - _PLACES * _ARRAYS * device.line_bytes - samples * inputs
-    most = max(1, room // (packed[0].nbytes + samples * _NEURONS))
+    samples = _PLACES * BLOCK
+    record = packed[0].size + samples * _NEURONS
+    most = max(1, device.fitting(record, samples * inputs, _PLACES * _ARRAYS, copies=1))
     return np.array_split(np.ascontiguousarray(packed), -(-blocks // most))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -24,14 +23,6 @@ _SIDE: Final = 8
 """Samples and neurons of the sums that a tile computes together."""
 
 
-@dataclass(frozen=True, slots=True)
-class Choice:
-    """The mode of a network, and the cycles that are expected of it."""
-
-    mode: str
-    cycles: int
-
-
 def tile_cycles(shapes: Sequence[tuple[int, int, int]], samples: int, tiles: int) -> int:
     """Return about how long the kernel of layers takes in GPU-like mode.
 
@@ -47,9 +38,9 @@ def tile_cycles(shapes: Sequence[tuple[int, int, int]], samples: int, tiles: int
     return round(total)
 
 
-def tpu_choice(device: Device, layers: Sequence[Layer], samples: int) -> Choice | None:
-    """Return the better TPU-like mode of those that the device may use; None: it has none, or a
-    layer does not fit.
+def tpu_choice(device: Device, layers: Sequence[Layer], samples: int) -> tuple[str, int] | None:
+    """Return the better TPU-like mode of those that the device may use, and the cycles that are
+    expected of it; None: it has none, or a layer does not fit.
     """
     if device.mode == "gpu":
         return None
@@ -58,7 +49,7 @@ def tpu_choice(device: Device, layers: Sequence[Layer], samples: int) -> Choice 
         layout, _ = choose_layout(samples, layers, device.mode, machine)
     except (ArchError, SystolicError):
         return None
-    return Choice(layout.mode, layout.cycles)
+    return layout.mode, layout.cycles
 
 
 def run_systolic(

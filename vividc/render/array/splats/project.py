@@ -19,8 +19,6 @@ ROW_WORDS = 13
 ENTRY_WORDS = 3
 _MOST = 166
 """Gaussians that a tile works on at once; the words of two chunks fit a scratchpad."""
-_PLACE_WORDS = 4080
-"""Of half a scratchpad, for the colours of a chunk."""
 _FILE = "render/splat_project"
 
 
@@ -129,7 +127,8 @@ def _colour(device: Device, scene: DeviceScene, camera: Camera, splats: DeviceSp
     words = scene.appearance.shape[1]
     eye = {f"eye_{axis}": camera.position[k] for k, axis in enumerate("xyz")}
     launches = []
-    for first, last in _pieces(splats.spans(), _PLACE_WORDS // (words + ROW_WORDS)):
+    most = device.fitting(words + ROW_WORDS, arrays=2)
+    for first, last in _pieces(splats.spans(), most):
         chunk = first // splats.chunk * splats.chunk
         source = scene.appearance[chunk : chunk + splats.chunk]
         rows = splats.rows[first:last]
