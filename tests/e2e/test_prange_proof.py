@@ -395,9 +395,11 @@ def early(x, y):
 @vividc.kernel("void(int32[::1], int32[::1])")
 def two_loops(x, y):
     for i in prange(len(x)):
-        y[i] = x[i]
+        y[i] = x[i] * x[i] * x[i] + 2 * x[i] * i
+    last = np.int32(0)
     for i in prange(len(x)):
-        y[i] += 1
+        y[i] += last
+        last = x[i]
 
 
 @vividc.kernel("void(int32[::1], int32[::1])")

@@ -17,6 +17,7 @@ from random import Random
 import numpy as np
 
 from tests.fuzz.arguments import Difference, compare
+from tests.fuzz.beside import COLS, beside, makes, returned, rows_of_made
 from tests.fuzz.witnesses import Verdict, load, words_in_blocks
 from vividc import arch
 from vividc.arch import Accelerator
@@ -25,9 +26,6 @@ from vividc.frontend import KernelFunction
 from vividc.launch import JobResult, SpreadOptions, spread
 from vividc.program import Program
 from vividc.ssa.parallel.cut import cut_parallel_loop
-
-COLS = 5
-"""Columns of the matrices."""
 
 _SMALL = ("int8", "uint8", "bool", "int16", "uint16", "int32", "float32")
 
@@ -56,6 +54,9 @@ class _Writer:
         self.sum = self.random.choice(["", "", "", "add", "max", "min", "xor", "sub", "wide"])
         # Shapes of access whose iterations meet are rare, or no kernel would be spread.
         self.meets = self.random.random() < 0.12
+        more = Random(f"beside {seed}")  # apart, so that other lines stay as they were
+        self.made = not self.sum and more.random() < 0.3
+        self.more = more
 
     def source(self) -> str:
         """The module."""
@@ -66,18 +67,28 @@ class _Writer:
             self._array_before()
         if roll() < 0.05:
             self.say(1, f"y[{self.pick('0', 'n', 'm & 3')}] = {self.integer('m')}")
+        if self.made:
+            self.say(1, makes(self.more))
+        self._beside(1)
         if self.sum:
             start = self.pick("3", "0", "m", "-7") if self.sum == "wide" else None
             self.say(1, f"s = {start or self.pick('np.int32(3)', 'np.int32(0)', 'm')}")
         depth = self._around(returns)
+        if depth > 1:
+            self._beside(depth)
         self.say(depth, f"for i in prange({self._bounds()}):")
         self._body(depth + 1)
+        self._beside(depth)
         if depth > 1 and roll() < 0.1 and self.lines[-1].strip():
             self.say(depth, f"y[m & 3] += {self.pick('1', 'x[0] & 7')}")
         if roll() < 0.05:
             self.say(1, f"y[{self.pick('n', '0', 'm & 3')}] = {self.integer('m')}")
-        if returns:
+        if self.made:
+            value, result = returned(self.more)
+            self.say(1, f"return {value}")
+        elif returns:
             self.say(1, f"return {self._value()}")
+        returns = returns or self.made
         head = _HEAD.format(result=result if returns else "void", small=self.small)
         return head + "\n".join(self.lines) + "\n"
 
@@ -86,6 +97,12 @@ class _Writer:
 
     def pick(self, *choices: str) -> str:
         return self.random.choice(choices)
+
+    def _beside(self, depth: int) -> None:
+        """Loops that do not contain the one over `prange`."""
+        while self.more.random() < 0.2:
+            for inner, text in beside(self.more, self.small, self.made):
+                self.say(depth + inner, text)
 
     def _array_before(self) -> None:
         made = self.pick("zeros", "zeros", "empty", "ones")
@@ -116,7 +133,8 @@ class _Writer:
             self.say(2, "r -= 2")
         elif kind == "return":
             self.say(1, f"if {test}:")
-            self.say(2, "return" + (f" {self.pick('7', 'm', '0')}" if returns else ""))
+            early = " out" if self.made else f" {self.pick('7', 'm', '0')}" if returns else ""
+            self.say(2, "return" + early)
         if kind == "for" and self.sum and self.random.random() < 0.3:
             self.say(2, "s = " + ("5" if self.sum == "wide" else "np.int32(5)"))
         return 2 if kind in ("if", "else", "for", "while") else 1
@@ -135,6 +153,10 @@ class _Writer:
             self.say(depth, f"p[{self.pick('i & 3', 'x[i] & 3', '1')}] += {self.integer('i')}")
         for _ in range(self.random.randint(1, 3)):
             self._statement(depth)
+        if self.made:
+            row = self.more.choice(("i", "i", "i", "i", "i + 1", "n - 1 - i", "i // 2"))
+            for inner, text in rows_of_made(self.more, row, self.integer("i")):
+                self.say(depth + inner, text)
         if self.sum:
             if self.random.random() < 0.4:
                 self.say(depth, f"if {self._condition()}:")

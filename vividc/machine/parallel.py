@@ -23,6 +23,9 @@ BLOCK_LAST: Final = "prange.block.last"
 """Input keys: the loops directly inside the parallel one run over no more than this, if they are
 blocked.
 """
+BESIDE_FIRST: Final = "prange.beside.first"
+BESIDE_LAST: Final = "prange.beside.last"
+"""Input keys, with the number of a loop beside the parallel one: its part of a chunk."""
 
 CONST: Final = "const"
 INPUT: Final = "input"
@@ -89,6 +92,9 @@ class Access:
     which happens in every iteration of all of them; None if it may not happen.
     `subscripts`: terms of the subscripts of an element of an array with several dimensions; () if
     they are not known.
+    `beside`: the number of the loop beside the parallel one that it is in; `counters` are then the
+    variables of this loop and of those inside it, and `leads` says that no load of the array comes
+    before it.
     """
 
     array: str
@@ -99,6 +105,8 @@ class Access:
     width: int
     counters: tuple[int, ...] | None = None
     subscripts: tuple[int, ...] = ()
+    beside: int | None = None
+    leads: bool = False
     loc: SourceLoc | None = field(default=None, compare=False)
 
 
@@ -127,6 +135,19 @@ class Reduction:
 
 
 @dataclass(frozen=True, slots=True)
+class Beside:
+    """A loop before or after the parallel one that runs between two inputs of its own: chunks may
+    share its iterations, if none of them touches what another one writes.
+
+    `first`, `last`: terms of its own bounds. `is_before`: all of it runs before the parallel loop.
+    """
+
+    first: int
+    last: int
+    is_before: bool
+
+
+@dataclass(frozen=True, slots=True)
 class Parallel:
     """The parallel loop of a kernel.
 
@@ -143,6 +164,11 @@ class Parallel:
         `BLOCK_FIRST` and `BLOCK_LAST` only, and do all that an iteration stores.
     around
         Input keys of the counters of loops around it.
+    beside
+        Loops before and after it, whose iterations are shared, too.
+    sliced
+        Arrays of the kernel's own that a launch cuts into slices as it does those of arguments:
+        each chunk has its own, and nobody else needs what is left there.
     """
 
     terms: tuple[Term, ...]
@@ -154,6 +180,8 @@ class Parallel:
     is_unsigned: bool = False
     blocked: tuple[tuple[int, int], ...] = ()
     around: tuple[str, ...] = ()
+    beside: tuple[Beside, ...] = ()
+    sliced: tuple[str, ...] = ()
     loc: SourceLoc | None = field(default=None, compare=False)
 
     @property
@@ -161,7 +189,15 @@ class Parallel:
         """What is launched beside the parameters."""
         starts = (f"{START}{number}" for number in range(len(self.reductions)))
         block = (BLOCK_FIRST, BLOCK_LAST) if self.blocked else ()
-        return frozenset({FIRST, LAST, *starts, *block, *self.around})
+        ends = (key for n in range(len(self.beside)) for key in beside_keys(n))
+        return frozenset({FIRST, LAST, *starts, *block, *ends, *self.around})
+
+
+def beside_keys(number: int) -> tuple[str, str]:
+    """Input keys: the first iteration of a loop beside the parallel one, and the one after the
+    last.
+    """
+    return f"{BESIDE_FIRST}{number}", f"{BESIDE_LAST}{number}"
 
 
 REPEAT: Final = "repeat"

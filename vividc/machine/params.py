@@ -195,6 +195,12 @@ class LocalArray:
         return LocalArray(self.name, words, self.contents, loops=self.loops)
 
 
+def named_array(name: str) -> str:
+    """An array of a kernel's own as a person knows it: by its line."""
+    made = name.rpartition(".line")[2] if ".line" in name else ""
+    return f"the array made in line {made}" if made else "an array that it makes"
+
+
 def evaluate_formula(formula: Formula, inputs: Mapping[str, int]) -> int:
     """The formula's value for a launch.
 

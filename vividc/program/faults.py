@@ -91,10 +91,12 @@ def _parallel_faults(program: Program) -> Iterator[str]:
     used = [parallel.first, parallel.last, *(item.start for item in parallel.reductions)]
     used += [access.term for access in parallel.accesses]
     used += [term for access in parallel.accesses for term in access.counters or ()]
+    used += [term for one in parallel.beside for term in (one.first, one.last)]
     in_table = all(0 <= number < count for number in used)
     if not in_table or not is_well_formed(parallel.terms):
         yield "its description of the parallel loop is not in order"
-    if any(access.array not in arrays for access in parallel.accesses):
+    arrays |= {local.name for local in program.locals if local.contents is None}
+    if not arrays.issuperset({*parallel.sliced, *(one.array for one in parallel.accesses)}):
         yield "its parallel loop uses an array that it has not"
     if parallel.result is not None and not 0 <= parallel.result < len(parallel.reductions):
         yield "it returns a reduction that it has not"

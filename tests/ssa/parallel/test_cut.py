@@ -35,13 +35,20 @@ def run(function: Function, *lines: str) -> object:
 
     accesses = (
         f"{'store' if a.is_store else 'load'} {a.array} {term(a.term)} shift {a.shift}"
-        f" offset {a.offset} width {a.width} counters {a.counters} {a.loc or ''}".rstrip()
+        f" offset {a.offset} width {a.width} counters {a.counters}"
+        f"{'' if a.beside is None else f' beside {a.beside}'}{' leads' * a.leads}"
+        f" {a.loc or ''}".rstrip()
         for a in found.accesses
+    )
+    beside = (
+        f"beside from {term(b.first)} to {term(b.last)}{' before' * b.is_before}"
+        for b in found.beside
     )
     reductions = (f"{r.op} from {term(r.start)}, {r.start_word}" for r in found.reductions)
     result = f"result {found.result}, unsigned {found.is_unsigned}, at {found.loc}"
     bounds = f"from {term(found.first)} to {term(found.last)}"
-    return made, bounds, *accesses, *reductions, result
+    sliced = (f"sliced {name}" for name in found.sliced)
+    return made, bounds, *beside, *sliced, *accesses, *reductions, result
 
 
 @cases(__file__)

@@ -11,9 +11,11 @@ from vividc.ssa.parallel.cut import cut_parallel_loop
 
 def run(function: Function) -> str:
     try:
-        return f"returns {cut_parallel_loop(function, [2])[1].result}"
+        found = cut_parallel_loop(function, [2])[1]
     except KernelError as refusal:
         return str(refusal).replace("\n", " / ")
+    sliced = "".join(f", chunks have slices of {name}" for name in found.sliced)
+    return f"returns {found.result}{sliced}"
 
 
 @cases(__file__)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from vividc.frontend.ranges.interval import Interval
+from vividc.frontend.ranges.interval import Interval, intersect
 from vividc.frontend.ranges.ranges import Ranges
-from vividc.frontend.ranges.sizes import bounds_of_sizes
+from vividc.frontend.ranges.sizes import bounds_of_made, bounds_of_sizes
 from vividc.host.once import once_within
 from vividc.machine.params import MAX_ELEMENTS
 from vividc.machine.words import WORD_BYTES, signed
@@ -15,6 +15,8 @@ from vividc.ssa.ir import Function, Key, pitch_of
 def ranges_of(function: Function) -> Ranges:
     """The ranges of a function without unreachable blocks, found once for it."""
     bounds = _of_shapes(function) | _of_tables(function) | bounds_of_sizes(function, MAX_ELEMENTS)
+    for key, interval in bounds_of_made(function, MAX_ELEMENTS).items():
+        bounds[key] = intersect(bounds.get(key, interval), interval)
     return Ranges(function, bounds)
 
 

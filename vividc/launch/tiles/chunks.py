@@ -6,10 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from collections.abc import Mapping as ReadOnly
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from vividc.arch import Accelerator, Scratchpad
 from vividc.errors import ArgumentError, SourceLoc, warn
+from vividc.launch.tiles.shares import Part, Sharing
+from vividc.machine.parallel import Parallel
+from vividc.machine.params import named_array
 from vividc.program import WORD_BYTES, Program
 from vividc.sim.footprint.coverage import written_whole
 from vividc.sim.footprint.footprint import Touch, loop_bounds, touched
@@ -21,13 +24,15 @@ Interval = tuple[int, int]
 class Chunk:
     """Iterations `first` to before `last`, and what they touch of each array, in bytes.
 
-    `overwritten`: arrays of whose slice every byte is written, and none is read.
+    `overwritten`: arrays of whose slice every byte is written before it is read.
+    `words`: which iterations it has of loops beside the parallel one.
     """
 
     first: int
     last: int
     touches: ReadOnly[str, Touch]
     overwritten: frozenset[str] = frozenset()
+    words: ReadOnly[str, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +57,9 @@ class Plan:
 
 @dataclass(frozen=True, slots=True)
 class Cut:
-    """What is to be cut: a program, its launch words, and the bytes of its arrays."""
+    """What is to be cut: a program, its launch words, and the bytes of its arrays, those of its own
+    that are sliced among them.
+    """
 
     program: Program
     inputs: ReadOnly[str, int]
@@ -67,21 +74,39 @@ class Cut:
 
     @property
     def local_sizes(self) -> dict[str, int]:
-        """Bytes of the kernel's own arrays."""
-        sizes = (local.at_launch(self.inputs) for local in self.program.locals)
-        return {local.name: WORD_BYTES * local.words for local in sizes}
+        """Bytes of the kernel's own arrays of which each tile has one."""
+        whole = own_sizes(self.program, self.inputs)
+        return {name: size for name, size in whole.items() if name not in self.sizes}
 
-    def chunk(self, first: int, last: int) -> Chunk:
-        """The chunk of these iterations."""
+    def chunks(self, parts: Sequence[Part], *, whole: bool) -> tuple[Chunk, ...]:
+        """The chunks of these iterations; `whole`: they are all there are."""
         parallel = self.program.parallel
-        if parallel is not None:
-            touches = touched(parallel, self.inputs, self.sizes, first, last)
-            whole = written_whole(parallel, self.inputs, first, last)
-            over = {n for n, part in whole.items() if _is_overwritten(touches[n], part)}
-            return Chunk(first, last, touches, frozenset(over))
-        stored = self.program.stored_arrays
-        touches = {name: _whole(size, name in stored) for name, size in self.sizes.items()}
-        return Chunk(first, last, touches)
+        if parallel is None:
+            stored = self.program.stored_arrays
+            touches = {name: _whole(size, name in stored) for name, size in self.sizes.items()}
+            return tuple(Chunk(part.first, part.last, touches) for part in parts)
+        sharing = Sharing(parallel, self.inputs, self.sizes)
+        shares = sharing.words(parts, whole=whole)
+        return tuple(
+            self._chunk(parallel, part, words) for part, words in zip(parts, shares, strict=True)
+        )
+
+    def _chunk(self, parallel: Parallel, part: Part, words: ReadOnly[str, int]) -> Chunk:
+        inputs, ends = {**self.inputs, **words}, (part.first, part.last)
+        touches = touched(parallel, inputs, self.sizes, *ends)
+        over = {
+            name
+            for leading in (False, True)
+            for name, whole in written_whole(parallel, inputs, *ends, leading=leading).items()
+            if _is_overwritten(touches[name], whole, leading)
+        }
+        return Chunk(*ends, touches, frozenset(over), words)
+
+
+def own_sizes(program: Program, inputs: ReadOnly[str, int]) -> dict[str, int]:
+    """Bytes of the kernel's own arrays."""
+    sizes = (local.at_launch(inputs) for local in program.locals)
+    return {local.name: WORD_BYTES * local.words for local in sizes}
 
 
 def _whole(size: int, is_stored: bool) -> Touch:
@@ -89,10 +114,11 @@ def _whole(size: int, is_stored: bool) -> Touch:
     return Touch(part, part if is_stored else None)
 
 
-def _is_overwritten(touch: Touch, written: Interval) -> bool:
-    if touch.loads is not None or touch.stores is None:
+def _is_overwritten(touch: Touch, written: Interval, leading: bool) -> bool:
+    """`leading`: it is written before it is read."""
+    if touch.hull is None or not (leading or touch.loads is None):
         return False
-    return written[0] <= touch.stores[0] and touch.stores[1] <= written[1]
+    return written[0] <= touch.hull[0] and touch.hull[1] <= written[1]
 
 
 def plan_chunks(cut: Cut, length: int | None) -> Plan:
@@ -166,19 +192,20 @@ def _starts(first: int, last: int, length: int) -> range:
 
 def _plan(cut: Cut, first: int, last: int, length: int) -> Plan:
     starts = _starts(first, last, length)
-    chunks = tuple(cut.chunk(a, min(a + length, last)) for a in starts)
-    return _laid_out(cut, chunks, len(starts))
+    parts = [Part(a, min(a + length, last), n, len(starts)) for n, a in enumerate(starts)]
+    return _laid_out(cut, cut.chunks(parts, whole=True), len(starts))
 
 
 def _probe(cut: Cut, first: int, last: int, length: int) -> Plan:
     """A plan of a few chunks in the place of all."""
     starts = _starts(first, last, length)
     some = sorted({0, len(starts) // 2, len(starts) - 1, min(1, len(starts) - 1)})
-    chunks = tuple(cut.chunk(starts[k], min(starts[k] + length, last)) for k in some)
-    return _laid_out(cut, chunks, len(starts))
+    parts = [Part(starts[k], min(starts[k] + length, last), k, len(starts)) for k in some]
+    return _laid_out(cut, cut.chunks(parts, whole=False), len(starts))
 
 
 def _laid_out(cut: Cut, chunks: tuple[Chunk, ...], count: int) -> Plan:
+    own = {local.name for local in cut.program.locals}
     resident: dict[str, Interval] = {}
     sliced: dict[str, int] = {}
     for name in cut.sizes:
@@ -186,7 +213,7 @@ def _laid_out(cut: Cut, chunks: tuple[Chunk, ...], count: int) -> Plan:
         if not hulls:
             continue
         stored = any(chunk.touches[name].stores is not None for chunk in chunks)
-        if not stored and len(set(hulls)) == 1:
+        if not stored and len(set(hulls)) == 1 and name not in own:
             resident[name] = aligned(hulls[0])
         else:
             sliced[name] = max(end - start for start, end in map(aligned, hulls))
@@ -280,8 +307,10 @@ def _uses(
 
 def _conflict(cut: Cut, name: str, both_write: bool, loc: SourceLoc | None) -> ArgumentError:
     what = "write" if both_write else "read and write"
+    own = {local.name for local in cut.program.locals}
+    which = named_array(name) if name in own else name
     return ArgumentError(
-        f"iterations on different tiles may {what} the same bytes of {name}, so the loop over "
+        f"iterations on different tiles may {what} the same bytes of {which}, so the loop over "
         f"prange in line {_line(cut.program)} cannot be spread",
         loc=loc,
         hint="index what is written by the loop's variable first, as in y[i, j]; read and write "

@@ -16,7 +16,16 @@ from vividc.arch import Accelerator
 from vividc.errors import ArgumentError
 from vividc.launch.job import Job
 from vividc.launch.simulate import JobResult
-from vividc.launch.tiles.chunks import Chunk, Cut, Interval, Plan, aligned, plan_chunks, slack
+from vividc.launch.tiles.chunks import (
+    Chunk,
+    Cut,
+    Interval,
+    Plan,
+    aligned,
+    own_sizes,
+    plan_chunks,
+    slack,
+)
 from vividc.launch.turns import Turns
 from vividc.machine.opcodes import Opcode
 from vividc.machine.parallel import WIDE_LOW, Reduction
@@ -69,6 +78,9 @@ def spread(
         if array.dtype.kind != "c" and array.itemsize > WORD_BYTES:
             raise ArgumentError(f"array {name} has elements of {array.itemsize} bytes")
     sizes = {name: array.nbytes for name, array in arrays.items()}
+    sliced = () if program.parallel is None else program.parallel.sliced
+    own = own_sizes(program, inputs)
+    sizes |= {name: own[name] for name in sliced}
     cut = Cut(program, inputs, sizes, job.accelerator, options.double_buffer)
     plan = plan_chunks(cut, options.chunk)
     return _Builder(job, cut, plan, arrays).build()
@@ -154,6 +166,7 @@ class _Builder:
             words: dict[str, int] = {}
             if parallel is not None:
                 words = chunk_inputs(parallel, chunk.first, chunk.last, starts, number == 0)
+                words |= chunk.words
             runs.append(self._chunk(chunk, words, common))
         inputs = self._cut.inputs
         return Spread(self._job, self._program, self._plan, tuple(runs), inputs, self._arrays)
@@ -223,7 +236,7 @@ class _Builder:
             start, _ = part = aligned(hull)
             address = self._address(name, half, start)
             self._set(inputs, extents, name, address, part)
-            if name in chunk.overwritten:
+            if name in chunk.overwritten or name not in self._arrays:
                 moves += before
                 continue
             view = self._view(name, hull)
@@ -237,6 +250,8 @@ class _Builder:
         run = self._job.execute(tile, self._program, inputs, extents, stores, after=moves)
         done = [run]
         for name, (source, _) in stores.items():
+            if name not in self._arrays:
+                continue
             written = chunk.touches[name].stores
             assert written is not None
             view = self._view(name, written)

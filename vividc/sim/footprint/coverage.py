@@ -37,9 +37,11 @@ class _Affine:
 
 
 def written_whole(
-    parallel: Parallel, inputs: Mapping[str, int], first: int, last: int
+    parallel: Parallel, inputs: Mapping[str, int], first: int, last: int, *, leading: bool = False
 ) -> dict[str, Interval]:
-    """For each array the bytes that iterations `first` to before `last` write in any case.
+    """For each array the bytes that iterations `first` to before `last` write in any case, or if
+    `leading` those that loops beside the parallel one write before anything loads some of the
+    array.
 
     Stores that lie one behind the other in an iteration count as one; then the loops around must
     step by just what is inside them, as digits of a number do.
@@ -47,7 +49,7 @@ def written_whole(
     known = chunk_intervals(parallel, inputs, first, last)
     groups: dict[tuple[str, int, int, tuple[int, ...]], list[Access]] = {}
     for access in parallel.accesses:
-        if access.is_store and access.counters is not None:
+        if access.is_store and access.counters is not None and access.leads >= leading:
             key = (access.array, access.term, access.shift, access.counters)
             groups.setdefault(key, []).append(access)
     extents: dict[str, Interval] = {}

@@ -28,6 +28,7 @@ from vividc.machine.parallel import (
     Access,
     Parallel,
     Term,
+    beside_keys,
 )
 from vividc.machine.semantics import evaluate
 from vividc.machine.words import WORD_BITS, WORD_MASK, signed
@@ -101,7 +102,27 @@ def chunk_inputs(
 def whole_loop(parallel: Parallel, inputs: Mapping[str, int]) -> dict[str, int]:
     """The launch words of all iterations."""
     first, last = loop_bounds(parallel, inputs)
-    return chunk_inputs(parallel, first, last, start_words(parallel, inputs), True)
+    words = chunk_inputs(parallel, first, last, start_words(parallel, inputs), True)
+    for number, ends in enumerate(bounds_beside(parallel, inputs)):
+        words |= beside_words(number, *ends)
+    return words
+
+
+def bounds_beside(parallel: Parallel, inputs: Mapping[str, int]) -> list[Interval]:
+    """First iteration of each loop beside the parallel one, and the one after the last."""
+    if not parallel.beside:
+        return []
+    known = values_of(parallel.terms, inputs)
+    ends = [(known[one.first], known[one.last]) for one in parallel.beside]
+    return [
+        (0, 0) if first is None or last is None else (first, max(first, last))
+        for first, last in ends
+    ]
+
+
+def beside_words(number: int, first: int, last: int) -> dict[str, int]:
+    """The launch words of these iterations of a loop beside the parallel one."""
+    return dict(zip(beside_keys(number), (first & WORD_MASK, last & WORD_MASK), strict=True))
 
 
 def chunk_intervals(

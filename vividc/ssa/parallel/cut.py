@@ -28,10 +28,18 @@ from vividc.ssa.analysis.reductions import FoundReduction, reduction_of
 from vividc.ssa.edit import with_blocks
 from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.ir import Block, Const, Function, Input, Instr, Phi, Ref, Value, definition_of
+from vividc.ssa.parallel.beside import (
+    NOTHING_SHARED,
+    Beginnings,
+    Sharing,
+    between_inputs,
+    own_stored,
+    sharing_of,
+)
 from vividc.ssa.parallel.blocks import Bounds, blocked
 from vividc.ssa.parallel.spread_proof import (
-    demand_own_arrays_apart,
     is_exact,
+    own_arrays_not_apart,
     returned_reduction,
     runs_for_certain,
 )
@@ -67,8 +75,29 @@ def cut_parallel_loop(function: Function, lines: Collection[int]) -> tuple[Funct
         are several, or an iteration needs what an earlier one computed, other than by a sum,
         product, minimum or maximum that the kernel returns.
     """
-    loop, header = _marked_loop(function, lines)
-    return _cut(function, loop, header)
+    loop, header, others = _marked_loop(function, lines)
+    index, _, _ = _bounds(function, loop, header)
+    unproved = own_arrays_not_apart(function, loop, TermTable(function, index.id))
+    refusals = {other.header: _second(function, other) for other in others}
+    for other in others:
+        unproved |= dict.fromkeys(
+            own_stored(function, other) - unproved.keys(), refusals[other.header]
+        )
+    sharing = sharing_of(function, loop, unproved)
+    for one in sharing.companions:
+        refusals.pop(one.loop.header, None)
+    for refusal in refusals.values():
+        raise refusal
+    function = between_inputs(function, sharing.companions)
+    return _cut(function, loop, function.by_name[header.name], sharing=sharing)
+
+
+def _second(function: Function, loop: Loop) -> KernelError:
+    return KernelError(
+        "a second loop over prange",
+        loc=function.by_name[loop.header].branch.loc,
+        hint="make a kernel of each, and run one after the other",
+    )
 
 
 def cut_nest(
@@ -100,7 +129,11 @@ def cut_nest(
 
 
 def _cut(
-    function: Function, loop: Loop, header: Block, inside: Sequence[Bounds] = ()
+    function: Function,
+    loop: Loop,
+    header: Block,
+    inside: Sequence[Bounds] = (),
+    sharing: Sharing = NOTHING_SHARED,
 ) -> tuple[Function, Parallel]:
     loc = header.branch.loc
     index, first, last = _bounds(function, loop, header)
@@ -110,8 +143,11 @@ def _cut(
     starts |= {item.phi: Input(f"{START}{n}") for n, item in enumerate(carried)}
     cut = _with_inputs(function, loop, header, starts)
     table = TermTable(cut, index.id)
-    demand_own_arrays_apart(cut, loop, table)
-    accesses = tuple(_accesses(cut, loop, table))
+    for name, refusal in own_arrays_not_apart(cut, loop, table).items():
+        if name not in sharing.sliced:
+            raise refusal
+    accesses = tuple(_accesses(cut, loop, table, sharing))
+    described = tuple(one.described(table) for one in sharing.companions)
     bounds = (table.of(first), table.of(last))
     reductions = tuple(_described(item, table) for item in carried)
     around = table.facts(header.branch.target or "")
@@ -124,10 +160,14 @@ def _cut(
             _demand_exact(table, item.start, loc)
     tests = (instr for instr in header.instrs if Ref(instr.id) == header.branch.cond)
     is_unsigned = any(test.op is Opcode.ICMP_ULT for test in tests)
-    return cut, Parallel(terms, *bounds, accesses, reductions, result, is_unsigned, blocks, loc=loc)
+    made = Parallel(terms, *bounds, accesses, reductions, result, is_unsigned, blocks, loc=loc)
+    return cut, replace(made, beside=described, sliced=tuple(sorted(sharing.sliced)))
 
 
-def _marked_loop(function: Function, lines: Collection[int]) -> tuple[Loop, Block]:
+def _marked_loop(
+    function: Function, lines: Collection[int]
+) -> tuple[Loop, Block, tuple[Loop, ...]]:
+    """The longest loop of those that `prange` marks, its header, and the others."""
     blocks = {block.name: block for block in function.blocks}
     marked: list[Loop] = []
     for loop in reversed(find_loops(function)):
@@ -143,13 +183,9 @@ def _marked_loop(function: Function, lines: Collection[int]) -> tuple[Loop, Bloc
             loc=SourceLoc(function.file, min(lines)),
             hint="compile the kernel for one tile",
         )
-    if len(marked) > 1:
-        raise KernelError(
-            "a second loop over prange",
-            loc=blocks[marked[0].header].branch.loc,
-            hint="make a kernel of each, and run one after the other",
-        )
-    return marked[0], blocks[marked[0].header]
+    most = max(marked, key=lambda loop: sum(len(blocks[name].items) for name in loop.blocks))
+    others = tuple(loop for loop in marked if loop is not most)
+    return most, blocks[most.header], others
 
 
 def _bounds(function: Function, loop: Loop, header: Block) -> tuple[Phi, Value, Value]:
@@ -238,13 +274,22 @@ def _with_inputs(
     return with_blocks(function, (changed,))
 
 
-def _accesses(function: Function, loop: Loop, table: TermTable) -> Iterator[Access]:
-    """What is read and written of the arguments; the kernel's own arrays stay on the tile."""
+def _accesses(
+    function: Function, loop: Loop, table: TermTable, sharing: Sharing
+) -> Iterator[Access]:
+    """What is read and written of the arguments, and of the kernel's own arrays of which chunks
+    have slices; others stay on the tile.
+    """
     runs = runs_for_certain(function, loop)
-    own = {local.name for local in function.locals}
+    own = {local.name for local in function.locals} - sharing.sliced
+    beginnings = Beginnings(function, sharing.companions, table)
     places = subscripts_of(function)
     for block in function.blocks:
         in_body = block.name in loop.blocks and block.name != loop.header
+        beside = beginnings.of(block.name)
+        counters = table.counters_around(block.name, loop) if in_body and runs else None
+        if beside is not None:
+            counters = beginnings.counters(beside, block.name)
         for instr in block.instrs:
             if instr.op not in (Opcode.LOAD, Opcode.STORE) or instr.array in own:
                 continue
@@ -258,8 +303,10 @@ def _accesses(function: Function, loop: Loop, table: TermTable) -> Iterator[Acce
                 shift=instr.shift,
                 offset=instr.offset,
                 width=instr.width,
-                counters=table.counters_around(block.name, loop) if in_body and runs else None,
+                counters=counters,
                 subscripts=_subscripts(places, instr, table, block.name) if in_body else (),
+                beside=None if beside is None else beside.number,
+                leads=beside is not None and beginnings.leads(beside, instr.array),
                 loc=instr.loc,
             )
 

@@ -20,7 +20,7 @@ import networkx as nx
 from vividc.errors import KernelError, SourceLoc
 from vividc.machine.opcodes import MEMORY, Opcode
 from vividc.machine.parallel import ANY, COUNTER, INDEX, STEPS, UNION, WIDE_HIGH, WIDE_LOW
-from vividc.machine.params import TRAP, LocalArray
+from vividc.machine.params import TRAP, LocalArray, named_array
 from vividc.ssa.analysis.counters import defined_in
 from vividc.ssa.analysis.reductions import FoundReduction
 from vividc.ssa.flow import Loop, block_graph, dominators
@@ -29,10 +29,20 @@ from vividc.ssa.parallel.terms import TermTable
 
 
 def runs_for_certain(function: Function, loop: Loop) -> bool:
-    """Whether every way through the kernel leads to the loop."""
+    """Whether every way through the kernel leads to the loop, or to an error of the simulation,
+    after which memory is as it was.
+    """
     before = dominators(function)
-    ends = [block.name for block in function.blocks if block.branch.target is None]
+    ends = [
+        block.name
+        for block in function.blocks
+        if block.branch.target is None and not any(map(_is_trap, block.instrs))
+    ]
     return all(loop.header in before.get(name, {loop.header}) for name in ends)
+
+
+def _is_trap(instr: Instr) -> bool:
+    return instr.op is Opcode.STORE and instr.array.startswith(TRAP)
 
 
 def returned_reduction(
@@ -137,21 +147,18 @@ def _first_loc(block: Block) -> SourceLoc | None:
     return next((instr.loc for instr in block.instrs if instr.loc is not None), None)
 
 
-def demand_own_arrays_apart(function: Function, loop: Loop, table: TermTable) -> None:
-    """No tile reads what an iteration on another wrote to an array of the kernel's own, of which
-    each tile has one.
+def own_arrays_not_apart(
+    function: Function, loop: Loop, table: TermTable
+) -> dict[str, KernelError]:
+    """The kernel's own arrays of which a tile may read what an iteration on another wrote, if each
+    tile has one of its own; with what to tell of them.
 
     An array that an iteration makes is its own; one made before the loop may be written by
     iterations if nothing reads it after them, and in the loop each reads the one element that it
     writes.
-
-    Raises
-    ------
-    KernelError
-        That is not proved of some array.
     """
     after = _reached_from(function, loop)
-    head = _start(function, loop)
+    found: dict[str, KernelError] = {}
     for local in function.locals:
         if local.contents is not None or local.name.startswith(TRAP):
             continue
@@ -164,7 +171,7 @@ def demand_own_arrays_apart(function: Function, loop: Loop, table: TermTable) ->
         outside = [instr for block, instr in accesses if block.name not in loop.blocks]
         within = [(block, instr) for block, instr in accesses if block.name in loop.blocks]
         stored = next((i for _, i in within if i.op is Opcode.STORE), None)
-        if stored is None or (head in local.loops and not outside):
+        if stored is None or (is_made_in(function, loop, local) and not outside):
             continue
         read = [
             (block, instr)
@@ -173,17 +180,21 @@ def demand_own_arrays_apart(function: Function, loop: Loop, table: TermTable) ->
         ]
         late = [instr for block, instr in read if block.name not in loop.blocks]
         if late or (read and not _each_its_own(within, table)):
-            raise _shared(local, stored, late or [instr for _, instr in read])
+            found[local.name] = _shared(local, stored, late or [instr for _, instr in read])
+    return found
+
+
+def is_made_in(function: Function, loop: Loop, local: LocalArray) -> bool:
+    """Whether each iteration of a loop makes an array anew."""
+    return _start(function, loop) in local.loops
 
 
 def _shared(local: LocalArray, stored: Instr, read: list[Instr]) -> KernelError:
     lines = sorted({instr.loc.line for instr in read if instr.loc is not None})
     where = f" and reads it in line {', '.join(map(str, lines))}" if lines else " and reads it"
-    made = local.name.rpartition(".line")[2] if ".line" in local.name else ""
-    which = f"the array made in line {made}" if made else "an array that it makes"
     return KernelError(
-        f"iterations of the loop over prange write {which}, of which each tile has one of its "
-        f"own,{where}",
+        f"iterations of the loop over prange write {named_array(local.name)}, of which each tile "
+        f"has one of its own,{where}",
         loc=stored.loc,
         hint="make the array in the loop, or pass it as an argument",
     )

@@ -132,9 +132,12 @@ class TermTable:
             counter = self._counter(loop)
             if counter is None or [source for source, _ in loop.exits] != [loop.header]:
                 return None
-            facts = self.facts(loop.header)
-            counters.append(self._unclamped(self.of(Ref(counter[0].phi.id), facts)))
+            counters.append(self.counter_itself(loop.header, counter[0].phi.id))
         return tuple(counters)
+
+    def counter_itself(self, header: str, phi: int) -> int:
+        """Term of a loop's counter, wherever it is looked at."""
+        return self._unclamped(self.of(Ref(phi), self.facts(header)))
 
     def _unclamped(self, number: int) -> int:
         while self.terms[number].op in CLAMPS:
