@@ -71,6 +71,11 @@ def dealt(launches: Sequence[Launch], tiles: int) -> list[list[int]]:
     return [[n for index in share for n in groups[index]] for share in deal(costs, tiles)]
 
 
+def by_cost(launches: Sequence[Launch], tiles: int) -> list[list[Launch]]:
+    """Deal launches to tiles by cost, as `dealt` says."""
+    return [[launches[number] for number in share] for share in dealt(launches, tiles)]
+
+
 def in_turn(launches: Sequence[Launch], tiles: int) -> list[Sequence[Launch]]:
     """Deal launches to tiles one after the other."""
     return [launches[tile::tiles] for tile in range(tiles)]
