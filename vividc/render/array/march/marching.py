@@ -51,11 +51,9 @@ _STEPS_AT_ONCE = (8, 4, 2, 1)
 """Steps of all rays that are looked at before their cells, the best first: loops have to fill."""
 _RAY_WORDS = 5
 _CANDIDATE_WORDS = 2
-_SAMPLES_AT_ONCE = 720
-"""Samples of a launch: five words of each fit a scratchpad twice. Their places have ten bits."""
 _SAMPLE_WORDS = 5
 """Of each sample in a launch of the kernels behind the marching one."""
-_OTHER_BYTES = 2048
+_OTHER_WORDS = 512
 """Of the arrays in such a launch that are not by sample, and what aligning takes."""
 _SPARE_WORDS = 128
 """For the other small arrays of the marching kernel, and what aligning them takes."""
@@ -148,7 +146,8 @@ class Marcher:
                 if goes_on:
                     again.append((number, goes_on))
             todo = again
-        return list(pieces_of(found, _samples_at_once(self._device, self._field)))
+        most = self._device.fitting(_SAMPLE_WORDS, _OTHER_WORDS)
+        return list(pieces_of(found, min(most, self._field.most_samples)))
 
     def _march_launch(
         self, number: int, start: int, end: int, rays: Rays, items: Int32Array
@@ -233,12 +232,6 @@ def parts_of(march: March, blocks: Blocks, at_once: int) -> list[int]:
     steps = np.clip(between + 2, 0, march.samples)  # both ends lie within a step
     parts: list[int] = np.ceil(steps / at_once).astype(np.int64).tolist()
     return parts
-
-
-def _samples_at_once(device: Device, field: ArrayField) -> int:
-    """Return how many samples a launch behind the marching one has room for."""
-    words = (device.scratchpad_bytes - _OTHER_BYTES) // WORD_BYTES
-    return min(_SAMPLES_AT_ONCE, words // _SAMPLE_WORDS, field.most_samples)
 
 
 def _in_order(kernel: str, places: Int32Array | None) -> str:

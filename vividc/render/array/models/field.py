@@ -20,7 +20,8 @@ class ArrayField(ABC):
     """A `RadianceField` whose density and colour the array computes.
 
     What a sample gives does not depend on the other samples of the call: a picture is then the
-    same to the last bit with and without lookahead.
+    same to the last bit with and without lookahead. Fields are made of a model as read from a
+    scene, for a device, with a format of the networks' operands.
     """
 
     most_samples = 1 << 10

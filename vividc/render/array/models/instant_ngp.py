@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from itertools import accumulate
 from typing import Final
 
@@ -13,8 +12,8 @@ from vividc.render.array.device.blocks import BLOCK, in_blocks, run_blocks
 from vividc.render.array.device.device import Device
 from vividc.render.array.models.field import PointField
 from vividc.render.array.models.hash_encoding import hash_encoding
-from vividc.render.array.network.calibration import largest_inputs
-from vividc.render.array.network.networks import dense_layer, network
+from vividc.render.array.network.calibration import largest_inputs, of_layers
+from vividc.render.array.network.networks import dense_layers, network
 from vividc.render.array.options import RenderPrecision
 from vividc.render.array.records import Colours, Kept, UInt32Array
 from vividc.render.arrays import Float32Array
@@ -30,15 +29,6 @@ _KERNELS: Final = "render/instant_ngp"
 
 class InstantNGPField(PointField):
     """`ArrayField` of an Instant-NGP model: hash encoding, density and colour networks.
-
-    Parameters
-    ----------
-    model
-        As read from a scene.
-    device
-        Where it is computed.
-    precision
-        Of the networks' operands.
 
     Raises
     ------
@@ -60,19 +50,15 @@ class InstantNGPField(PointField):
         first = np.pad(first, ((0, -len(first) % _LANES), (0, 0)))
         missing = -last.shape[1] % _LANES if precision == "fp8" else 0
         last = np.pad(last, ((0, 0), (0, missing)))
-        density_layers = [dense_layer(first, relu=True), dense_layer(last)]
-        self._density_network = network(density_layers, precision, _of(largest, "sigma"))
+        sigma, rgb = of_layers(largest, "sigma"), of_layers(largest, "rgb")
+        self._density_network = network(dense_layers([first, last]), precision, sigma)
         is_fp8 = self._density_network.is_fp8
         self._encoding = hash_encoding(model, self._density_network.scale if is_fp8 else None)
         first, *others = model.colour_weights
         # The kernel puts the direction's terms before the features.
         swapped = np.concatenate((first[-DIRECTION_TERMS:], first[:-DIRECTION_TERMS]))
         swapped = np.pad(swapped, ((0, missing), (0, 0)))
-        colour_layers = [
-            dense_layer(weights, relu=hidden)
-            for weights, hidden in zip((swapped, *others), (True, True, False), strict=True)
-        ]
-        self._colour_network = network(colour_layers, precision, _of(largest, "rgb"))
+        self._colour_network = network(dense_layers([swapped, *others]), precision, rgb)
         self.words = last.shape[1] // (_LANES if is_fp8 else 1)
         if is_fp8:
             words = device.scratchpad_bytes // WORD_BYTES
@@ -135,8 +121,3 @@ class InstantNGPField(PointField):
         given = {"directions": blocks}
         run_blocks(self._device, "direction encoding", kernel, given, {"out": out}, scalars)
         return out.reshape(-1, out.shape[2])
-
-
-def _of(largest: Mapping[str, float], name: str) -> list[float]:
-    """Return the figures of the layers of a network, in order."""
-    return [value for layer, value in sorted(largest.items()) if layer.startswith(name)]

@@ -22,15 +22,6 @@ class KiloNeRFField(ArrayField):
     The features of a call of `densities` stay where the networks wrote them, in the order of
     networks, until its next call; it returns none.
 
-    Parameters
-    ----------
-    model
-        As read from a scene.
-    device
-        Where it is computed.
-    precision
-        Of the networks' operands.
-
     Raises
     ------
     SceneError

@@ -11,8 +11,8 @@ from vividc.render.array.device.blocks import BLOCK, run_blocks
 from vividc.render.array.device.device import Device
 from vividc.render.array.models.factors import CHANNELS, KERNELS, channel_pairs, factor_grid
 from vividc.render.array.models.field import PointField
-from vividc.render.array.network.calibration import largest_inputs
-from vividc.render.array.network.networks import dense_layer, network
+from vividc.render.array.network.calibration import largest_inputs, of_layers
+from vividc.render.array.network.networks import dense_layers, network
 from vividc.render.array.options import RenderPrecision
 from vividc.render.arrays import Float32Array
 from vividc.render.radiance import TensoRF
@@ -24,15 +24,6 @@ _FEATURES: Final = 27
 
 class TensoRFField(PointField):
     """`ArrayField` of a TensoRF model: factors, and the colour network.
-
-    Parameters
-    ----------
-    model
-        As read from a scene.
-    device
-        Where it is computed.
-    precision
-        Of the networks' operands.
 
     Raises
     ------
@@ -47,26 +38,18 @@ class TensoRFField(PointField):
         self._model = model
         lines = dict(zip(LINE_AXES, model.density_factors, strict=True))
         self._grid = factor_grid(model.march, [len(lines[axis].line) for axis in range(3)], device)
-        largest = None if precision == "fp32" else largest_inputs(model)
-        basis = dense_layer(_spread(model))
-        self._basis = network([basis], precision, [largest["basis"]] if largest else ())
+        largest = {} if precision == "fp32" else largest_inputs(model)
+        basis = dense_layers([_spread(model)])
+        self._basis = network(basis, precision, of_layers(largest, "basis"))
         one, is_fp8 = np.float32(1), self._basis.is_fp8
         scale = self._basis.scale if is_fp8 else one
         self._density_pairs = channel_pairs(model.density_factors, is_fp8, one)
         self._appearance_pairs = channel_pairs(model.appearance_factors, is_fp8, scale)
-        layers = [
-            dense_layer(weights, bias, relu=hidden)
-            for weights, bias, hidden in zip(
-                model.weights, model.biases, (True, True, False), strict=True
-            )
-        ]
+        first, *others = model.weights
         if is_fp8:
-            # The order in which the kernel makes words of them.
-            layers[0] = dense_layer(model.weights[0][_by_words()], model.biases[0], relu=True)
-        names = [f"mlp{index}" for index in range(len(layers))]
-        self._colour_network = network(
-            layers, precision, [largest[name] for name in names] if largest else ()
-        )
+            first = first[_by_words()]  # the order in which the kernel makes words of them
+        layers = dense_layers([first, *others], model.biases)
+        self._colour_network = network(layers, precision, of_layers(largest, "mlp"))
         for net in (self._basis, self._colour_network):
             net.mode(device)
 

@@ -5,7 +5,7 @@ numbers that a layer meets.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -54,6 +54,11 @@ def largest_inputs(scene: RadianceField) -> dict[str, float]:
         _, features = scene.density(points, recorded)
         scene.colour(points, features, directions, recorded)
     return {name: value or 1.0 for name, value in largest.items()}
+
+
+def of_layers(largest: Mapping[str, float], name: str) -> list[float]:
+    """Return the figures of the layers of a network, in order: those whose names begin so."""
+    return [value for layer, value in sorted(largest.items()) if layer.startswith(name)]
 
 
 def exponents(

@@ -185,6 +185,18 @@ def dense_layer(
     return Layer(matrix, shift, "relu" if relu else "none")
 
 
+def dense_layers(
+    weights: Sequence[npt.ArrayLike], biases: Sequence[npt.ArrayLike] = ()
+) -> list[Layer]:
+    """Return layers of which all but the last have a ReLU."""
+    last = len(weights) - 1
+    shifts: Sequence[npt.ArrayLike | None] = biases or [None] * len(weights)
+    return [
+        dense_layer(matrix, bias, relu=number < last)
+        for number, (matrix, bias) in enumerate(zip(weights, shifts, strict=True))
+    ]
+
+
 def network(
     layers: Sequence[Layer], precision: RenderPrecision, largest: Sequence[float] = ()
 ) -> Network:
