@@ -100,3 +100,23 @@ def beside(random: Random, small: str, made: bool) -> Iterator[tuple[int, str]]:
         yield 1, f"for c in range({random.choice((f'{array}.shape[1]', '2', '1, 2'))}):"
         row = "k" if last == "w.shape[0]" else random.choice(("k", "k", "k", "k + 1"))
         yield 2, f"{array}[{row}, c] {step} {value}"
+
+
+def raising(random: Random) -> Iterator[tuple[int, str]]:
+    """What an iteration does that may raise: a user's exception, or one of rows that must be of one
+    size, which they are.
+    """
+    kind = random.choice(("raise", "raise", "unpack", "sum", "dot"))
+    if kind == "raise":
+        test = random.choice(("x[i] > 97", "x[i] == 50 + m", "i == n - 1", "v[i, 1] > 97"))
+        error = random.choice(("ValueError", "IndexError", "ZeroDivisionError"))
+        yield 0, f"if {test}:"
+        yield 1, f'raise {error}("{test}")'
+    elif kind == "unpack":
+        names = [f"part{n}" for n in range(COLS)]
+        yield 0, f"{', '.join(names)} = v[i]"
+        yield 0, f"w[i, {random.randrange(COLS)}] = {' + '.join(random.sample(names, 2))}"
+    elif kind == "sum":
+        yield 0, "w[i] = v[i] - w[i]"
+    else:
+        yield 0, f"w[i, 0] = np.sum(v[i] * v[i, {random.randrange(COLS)}])"

@@ -17,11 +17,18 @@ from random import Random
 import numpy as np
 
 from tests.fuzz.arguments import Difference, compare
-from tests.fuzz.beside import COLS, beside, makes, returned, rows_of_made
+from tests.fuzz.beside import COLS, beside, makes, raising, returned, rows_of_made
 from tests.fuzz.witnesses import Verdict, load, words_in_blocks
 from vividc import arch
 from vividc.arch import Accelerator
-from vividc.errors import ArgumentError, InternalError, KernelError, VividcError, VividcWarning
+from vividc.errors import (
+    ArgumentError,
+    InternalError,
+    KernelError,
+    KernelRaised,
+    VividcError,
+    VividcWarning,
+)
 from vividc.frontend import KernelFunction
 from vividc.launch import JobResult, SpreadOptions, spread
 from vividc.program import Program
@@ -151,6 +158,9 @@ class _Writer:
         if self.within:
             self.say(depth, f"p = np.{self.pick('zeros', 'ones')}(4, np.int32)")
             self.say(depth, f"p[{self.pick('i & 3', 'x[i] & 3', '1')}] += {self.integer('i')}")
+        if self.more.random() < 0.15:
+            for inner, text in raising(self.more):
+                self.say(depth + inner, text)
         for _ in range(self.random.randint(1, 3)):
             self._statement(depth)
         if self.made:
@@ -364,10 +374,21 @@ def _compare(
     count = int(args[6])  # type: ignore[call-overload]
     chunk = None if length is None else max(length, count // 24)
     expected, mine = deepcopy(args), deepcopy(args)
-    value = kernel(*expected)
-    result = _launched(program, mine, chunk)
+    raised = ""
+    try:
+        value = kernel(*expected)
+    except (ValueError, IndexError, ZeroDivisionError) as error:
+        raised = f"{type(error).__name__}: {error}"
+    try:
+        result = _launched(program, mine, chunk)
+    except KernelRaised as error:
+        if raised.rstrip(": ") != error.reason:
+            raise Difference(f"raises {error.reason}, and numba {raised or 'nothing'}") from error
+        return 0
     if result is None:
         return 0
+    if raised:
+        raise Difference(f"raises nothing, and numba {raised}")
     tiles = len(result.stats["tiles"])
     what = f"{tiles} tiles, chunk {chunk}, trial {trial}"
     compare(what, [result.value, *mine], [value, *expected])

@@ -239,7 +239,8 @@ def _need(cut: Cut, plan: Plan) -> int:
     more = slack(cut.scratchpad)
     resident = sum(end - start + more for start, end in plan.resident.values())
     sliced = sum(size + more for size in plan.sliced.values())
-    return resident + sum(cut.local_sizes.values()) + plan.copies * sliced
+    error = WORD_BYTES if cut.program.results is not None and cut.program.results.error else 0
+    return resident + sum(cut.local_sizes.values()) + plan.copies * (sliced + error)
 
 
 def _demand_fit(cut: Cut, plan: Plan, length: int) -> None:

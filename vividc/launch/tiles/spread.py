@@ -77,7 +77,8 @@ def spread(
     for name, array in arrays.items():
         if array.dtype.kind != "c" and array.itemsize > WORD_BYTES:
             raise ArgumentError(f"array {name} has elements of {array.itemsize} bytes")
-    sizes = {name: array.nbytes for name, array in arrays.items()}
+    error = error_of(program)
+    sizes = {name: array.nbytes for name, array in arrays.items() if name != error}
     sliced = () if program.parallel is None else program.parallel.sliced
     own = own_sizes(program, inputs)
     sizes |= {name: own[name] for name in sliced}
@@ -88,7 +89,9 @@ def spread(
 
 @dataclass(frozen=True, slots=True)
 class Spread:
-    """A spread launch: the job, and the run of each chunk in the order of iterations."""
+    """A spread launch: the job, and the run of each chunk in the order of iterations; `errors`:
+    the word of each chunk that says which exception it raised, if it may.
+    """
 
     job: Job
     program: Program
@@ -96,6 +99,7 @@ class Spread:
     runs: tuple[int, ...]
     inputs: ReadOnly[str, int]
     arrays: ReadOnly[str, NDArray[np.generic]]
+    errors: tuple[NDArray[np.generic], ...] = ()
 
     def simulate(
         self, *, engine: str = AUTO, cycle_limit: int = CYCLE_LIMIT, threads: int | None = None
@@ -106,6 +110,9 @@ class Spread:
 
     def _value(self, result: JobResult) -> Any:
         parallel, dtype = self.program.parallel, self.program.returns
+        raised = next((word for word in self.errors if word[0]), None)
+        if raised is not None:
+            self.arrays[error_of(self.program)][:] = raised
         value = returned_value(self.program, self.arrays, self.inputs)
         if dtype is None:
             return value
@@ -120,6 +127,12 @@ class Spread:
         total = functools.reduce(functools.partial(combined, how), lows)
         has_high = self.program.return_high is not None
         return returned(dtype, total if has_high else joined(dtype, total, None))
+
+
+def error_of(program: Program) -> str:
+    """The array that says which exception a chunk raised; "" if a spread kernel raises none."""
+    is_spread = program.parallel is not None and program.results is not None
+    return program.results.error if is_spread and program.results is not None else ""
 
 
 def combined(how: Reduction, total: int, partial: int) -> int:
@@ -154,6 +167,8 @@ class _Builder:
         self._inputs: dict[str, int] = {**cut.inputs}
         self._extents: dict[str, tuple[int, int]] = {}
         self._turns = Turns(self._tiles, plan.copies)
+        self._error = error_of(cut.program)
+        self._errors: list[NDArray[np.generic]] = []
 
     def build(self) -> Spread:
         self._job.configure(self._tiles, self._program)
@@ -169,7 +184,10 @@ class _Builder:
                 words |= chunk.words
             runs.append(self._chunk(chunk, words, common))
         inputs = self._cut.inputs
-        return Spread(self._job, self._program, self._plan, tuple(runs), inputs, self._arrays)
+        errors = tuple(self._errors)
+        return Spread(
+            self._job, self._program, self._plan, tuple(runs), inputs, self._arrays, errors
+        )
 
     def _place(self) -> None:
         """Resident arrays, the kernel's own, then the slices, once or twice."""
@@ -181,6 +199,8 @@ class _Builder:
             self._inputs[f"&{name}"] = address
             self._extents[name] = (address, address + size)
         for half in range(self._plan.copies):
+            if self._error:
+                self._places[self._error, half] = self._take(WORD_BYTES)
             for name, size in self._plan.sliced.items():
                 self._places[name, half] = self._take(size + more)
 
@@ -241,20 +261,40 @@ class _Builder:
                 continue
             view = self._view(name, hull)
             moves.append(self._job.move_in(tile, view, address + hull[0] - start, after=before))
-        stores = {}
+        stores: dict[str, tuple[int, int]] = {}
+        if self._error:
+            moves.append(self._own_error(tile, half, before, inputs, extents))
+            stores[self._error] = extents[self._error]
         for name, touch in chunk.touches.items():
             if touch.stores is not None and touch.hull is not None:
                 start, _ = aligned(touch.hull)
                 place = self._address(name, half, start) - start
                 stores[name] = (place + touch.stores[0], place + touch.stores[1])
         run = self._job.execute(tile, self._program, inputs, extents, stores, after=moves)
-        done = [run]
-        for name, (source, _) in stores.items():
-            if name not in self._arrays:
-                continue
-            written = chunk.touches[name].stores
-            assert written is not None
-            view = self._view(name, written)
-            done.append(self._job.move_out(tile, source, view, after=[run]))
-        self._turns.free(tile, half, *done)
+        moved = {name: source for name, (source, _) in stores.items() if name in self._arrays}
+        done = [self._moved_out(tile, chunk, name, source, run) for name, source in moved.items()]
+        self._turns.free(tile, half, run, *done)
         return run
+
+    def _moved_out(self, tile: int, chunk: Chunk, name: str, source: int, run: int) -> int:
+        """Move out what a chunk has stored, or which exception it raised."""
+        if name == self._error:
+            return self._job.move_out(tile, source, self._errors[-1], after=[run])
+        written = chunk.touches[name].stores
+        assert written is not None
+        return self._job.move_out(tile, source, self._view(name, written), after=[run])
+
+    def _own_error(
+        self,
+        tile: int,
+        half: int,
+        before: Sequence[int],
+        inputs: dict[str, int],
+        extents: dict[str, tuple[int, int]],
+    ) -> int:
+        """Move in the word, 0, that says which exception a chunk raises."""
+        address = self._places[self._error, half]
+        inputs[f"&{self._error}"] = address
+        extents[self._error] = (address, address + WORD_BYTES)
+        self._errors.append(np.zeros_like(self._arrays[self._error]))
+        return self._job.move_in(tile, self._errors[-1], address, after=before)

@@ -37,9 +37,11 @@ from vividc.ssa.parallel.beside import (
     sharing_of,
 )
 from vividc.ssa.parallel.blocks import Bounds, blocked
+from vividc.ssa.parallel.going_on import going_on
 from vividc.ssa.parallel.spread_proof import (
     is_exact,
     own_arrays_not_apart,
+    raises,
     returned_reduction,
     runs_for_certain,
 )
@@ -75,6 +77,7 @@ def cut_parallel_loop(function: Function, lines: Collection[int]) -> tuple[Funct
         are several, or an iteration needs what an earlier one computed, other than by a sum,
         product, minimum or maximum that the kernel returns.
     """
+    function = going_on(function)
     loop, header, others = _marked_loop(function, lines)
     index, _, _ = _bounds(function, loop, header)
     unproved = own_arrays_not_apart(function, loop, TermTable(function, index.id))
@@ -192,7 +195,7 @@ def _bounds(function: Function, loop: Loop, header: Block) -> tuple[Phi, Value, 
     """The loop's variable, its first value, and the limit."""
     loc = header.branch.loc
     test = definition_of(function, header.branch.cond)
-    if len(loop.exits) != 1 or loop.exits[0][0] != header.name:
+    if set(_early(function, loop)) or header.name not in {source for source, _ in loop.exits}:
         raise KernelError("a loop over prange cannot be left early", loc=loc, hint=_HINT)
     tests = (Opcode.ICMP_SLT, Opcode.ICMP_ULT)
     steps = {constant_step(function, loop, phi) for phi in header.phis} - {None}
@@ -212,6 +215,13 @@ def _bounds(function: Function, loop: Loop, header: Block) -> tuple[Phi, Value, 
         if induction.start is not None and step == 1:
             return induction.phi, induction.start, limit
     raise KernelError("the loop over prange does not count up by one", loc=loc, hint=_HINT)
+
+
+def _early(function: Function, loop: Loop) -> Iterator[str]:
+    """Blocks that leave a loop otherwise than by its test or an exception."""
+    for source, target in loop.exits:
+        if source != loop.header and not raises(function, function.by_name[target]):
+            yield source
 
 
 def _reductions(
@@ -280,8 +290,10 @@ def _accesses(
     """What is read and written of the arguments, and of the kernel's own arrays of which chunks
     have slices; others stay on the tile.
     """
-    runs = runs_for_certain(function, loop)
+    runs = runs_for_certain(function, loop) and len(loop.exits) == 1
     own = {local.name for local in function.locals} - sharing.sliced
+    if function.results is not None:
+        own.add(function.results.error)  # each chunk has its own
     beginnings = Beginnings(function, sharing.companions, table)
     places = subscripts_of(function)
     for block in function.blocks:

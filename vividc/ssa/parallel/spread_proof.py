@@ -33,16 +33,21 @@ def runs_for_certain(function: Function, loop: Loop) -> bool:
     after which memory is as it was.
     """
     before = dominators(function)
-    ends = [
-        block.name
-        for block in function.blocks
-        if block.branch.target is None and not any(map(_is_trap, block.instrs))
-    ]
+    ends = [b.name for b in function.blocks if b.branch.target is None and not ends_simulation(b)]
     return all(loop.header in before.get(name, {loop.header}) for name in ends)
 
 
-def _is_trap(instr: Instr) -> bool:
-    return instr.op is Opcode.STORE and instr.array.startswith(TRAP)
+def ends_simulation(block: Block) -> bool:
+    """Whether a block ends the simulation with an error: it stores to an array of no words."""
+    return any(i.op is Opcode.STORE and i.array.startswith(TRAP) for i in block.instrs)
+
+
+def raises(function: Function, block: Block) -> bool:
+    """Whether a block ends the kernel with an exception, so that nobody sees what it returns."""
+    error = "" if function.results is None else function.results.error
+    return block.branch.target is None and (
+        ends_simulation(block) or (error != "" and any(i.array == error for i in block.instrs))
+    )
 
 
 def returned_reduction(
@@ -63,6 +68,7 @@ class _Leaving:
     """Follows the values that a loop hands to the blocks after it."""
 
     def __init__(self, function: Function, loop: Loop, carried: Sequence[FoundReduction]) -> None:
+        self._function = function
         self._reductions = carried
         self._own = {item.phi: number for number, item in enumerate(carried)}
         self._inside = defined_in(function, loop)
@@ -73,7 +79,11 @@ class _Leaving:
     def result(self) -> int | None:
         for block in self._after:
             self._demand_unused(block)
-        ends = [block for block in self._after if block.branch.target is None]
+        ends = [
+            block
+            for block in self._after
+            if block.branch.target is None and not raises(self._function, block)
+        ]
         results = {self._of_return(block) for block in ends}
         if len(results) > 1:
             raise KernelError(
