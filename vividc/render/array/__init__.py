@@ -1,8 +1,9 @@
 """The renderers on the array: stages are compiled kernels, the host makes launch graphs.
 
-In order: `options`, `sampling` (which blocks are simulated); `device/`; `pieces` (of the samples of
-a block) and `records` (kernels over their fields), `network/`, `models/` and `march/` (ray-marched
-methods); `splats/` (3DGS); `render`, which picks one.
+In order: `options`, `sampling` (which blocks are simulated), `steering` (sizes that were measured);
+`device/`; `pieces` (of the samples of a block) and `records` (kernels over their fields),
+`network/`, `models/` and `march/` (ray-marched methods); `splats/` (3DGS); `render`, which picks
+one.
 """
 
 from vividc.render.array.device.device import Device, open_device

@@ -15,6 +15,7 @@ from vividc.render.array.device.device import Device
 from vividc.render.array.device.gather import gather_rows
 from vividc.render.array.device.launch import Launch, Words
 from vividc.render.array.pieces import RAYS, Piece, Rays, Survivors, total
+from vividc.render.array.steering import COPIED_WORDS, LAUNCH_SAMPLES
 from vividc.render.arrays import Float32Array, Int32Array
 
 SomePiece = TypeVar("SomePiece", bound=Piece)
@@ -28,10 +29,6 @@ UInt32Array: TypeAlias = npt.NDArray[np.uint32]
 
 MARCHING: Final = "render/marching"
 """File of the kernels."""
-_LAUNCH_COST: Final = 40
-"""Of a launch, in samples."""
-_NARROW_WORDS: Final = 4
-"""Rows that a kernel copies are as wide at most: DMA reads each row it gathers in granules."""
 _RAY_WORDS: Final = 4
 _ARRAYS: Final = 4
 """Of a kernel that makes blocks."""
@@ -109,7 +106,7 @@ class Fields:
     carries: Columns = field(default_factory=dict)
     work: Mapping[str, Callable[[Any], int]] = field(default_factory=dict)
     scalars: Callable[[Any], Mapping[str, object]] = lambda _: {}
-    cost: Callable[[Any], int] = lambda piece: len(piece) + _LAUNCH_COST
+    cost: Callable[[Any], int] = lambda piece: len(piece) + LAUNCH_SAMPLES
 
     def run(self, device: Device, stage: str, kernel: str, pieces: Iterable[Piece]) -> list[int]:
         """Run the kernel once a piece, and return what each run returned."""
@@ -278,7 +275,7 @@ class Kept(Listed):
             for start in range(first, last, at_once):
                 end = min(start + at_once, last)
                 some = piece.items[BLOCK * (start - first) : BLOCK * (end - first)]
-                made, cost = out[start:end], len(some) + _LAUNCH_COST
+                made, cost = out[start:end], len(some) + LAUNCH_SAMPLES
                 launches.append(Launch({}, {"items": some}, {"out": made}, shared, cost=cost))
         self.device.run(_COMPACTION, kernel, launches)
         return out
@@ -293,4 +290,4 @@ class Kept(Listed):
 def is_narrow(features: Features) -> bool:
     """Whether a kernel copies the rows of the survivors."""
     width: int = features.shape[1]
-    return width <= _NARROW_WORDS and width & (width - 1) == 0
+    return width <= COPIED_WORDS and width & (width - 1) == 0

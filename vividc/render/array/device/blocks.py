@@ -15,12 +15,11 @@ from vividc.launch.turns import neighbours
 from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.launch import Launch, Words
+from vividc.render.array.steering import LAUNCHES_OF_BLOCKS
 from vividc.render.arrays import Float32Array
 
 BLOCK: Final = 16
 """Rows of a block."""
-_LAUNCHES: Final = 4
-"""A tile gets at least so many launches, so that there is something to hide transfers behind."""
 
 Word = TypeVar("Word", bound=np.generic)
 
@@ -93,7 +92,7 @@ def run_blocks(
 
     shares = []
     for first, last in neighbours(len(arrays[-1]), device.tiles):
-        at_once = max(1, min(most, -(-(last - first) // _LAUNCHES)))
+        at_once = max(1, min(most, -(-(last - first) // LAUNCHES_OF_BLOCKS)))
         cuts = [*range(first, last, at_once), last]
         shares.append([launch(*span) for span in pairwise(cuts)])
     device.run_shares(stage, kernel, shares)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final, TypeVar
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -11,10 +11,9 @@ import numpy.typing as npt
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.launch import Gathered, Launch
 from vividc.render.array.device.launches import in_turn
+from vividc.render.array.steering import GATHERED_ROWS
 
 Word = TypeVar("Word", bound=np.generic)
-
-_MOST_ROWS: Final = 128
 
 
 def gather_rows(
@@ -30,7 +29,7 @@ def gather_rows(
         Pieces of indices, wherever they are in DRAM.
     """
     result = np.zeros((sum(map(len, rows)), *table.shape[1:]), dtype=table.dtype)
-    most = max(1, min(_MOST_ROWS, device.fitting(max(table[:1].size, 1))))
+    most = max(1, min(GATHERED_ROWS, device.fitting(max(table[:1].size, 1))))
     launches: list[Launch] = []
     done = 0
     for piece in rows:

@@ -15,10 +15,10 @@ from vividc.render.array.march.marching import Marcher
 from vividc.render.array.models.field import ArrayField
 from vividc.render.array.options import ArrayOptions
 from vividc.render.array.pieces import SIDE
+from vividc.render.array.steering import BLOCKS_AT_ONCE
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.camera import Camera
 
-BLOCKS_AT_ONCE: Final = 512
 _DEFAULT: Final = ArrayOptions()
 
 

@@ -42,13 +42,12 @@ from vividc.render.array.records import (
     of_samples,
     weights,
 )
+from vividc.render.array.steering import LEAST_PARTS, MOST_ITEMS, STEPS_AT_ONCE
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.camera import Camera
 from vividc.render.errors import SceneError
 from vividc.render.radiance import March
 
-_STEPS_AT_ONCE = (8, 4, 2, 1)
-"""Steps of all rays that are looked at before their cells, the best first: loops have to fill."""
 _RAY_WORDS = 5
 _CANDIDATE_WORDS = 2
 _SAMPLE_WORDS = 5
@@ -58,10 +57,6 @@ _OTHER_WORDS = 512
 _SPARE_WORDS = 128
 """For the other small arrays of the marching kernel, and what aligning them takes."""
 _MOST_STEPS = 1 << 15
-_MOST_ITEMS = 2048
-"""That a launch lists: all of its room goes to DRAM."""
-_LEAST_PARTS = 2
-"""That there is room for: a launch that goes on waits for all others."""
 _COUNT_BIT = 16
 """Above it the marching kernel returns how many samples there are, below it where to go on."""
 
@@ -267,9 +262,9 @@ def _room(march: March, bricks: Bricks, scratchpad_bytes: int) -> tuple[int, int
             f"a ray has {march.samples} steps, and the array numbers {_MOST_STEPS}",
             hint="store fewer and longer steps",
         )
-    for at_once in _STEPS_AT_ONCE:
-        room = min(_MOST_ITEMS, words - _CANDIDATE_WORDS * RAYS * at_once)
-        if room >= (_LEAST_PARTS if at_once > 1 else 1) * RAYS * at_once:
+    for at_once in STEPS_AT_ONCE:
+        room = min(MOST_ITEMS, words - _CANDIDATE_WORDS * RAYS * at_once)
+        if room >= (LEAST_PARTS if at_once > 1 else 1) * RAYS * at_once:
             return at_once, room
     raise SceneError(
         f"the occupancy of {' x '.join(map(str, march.occupied.shape))} cells takes "

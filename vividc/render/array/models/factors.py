@@ -15,6 +15,7 @@ from vividc.render.array.device.device import Device
 from vividc.render.array.device.launch import Fetched, Launch
 from vividc.render.array.device.lookups import Part, run_lookups, sizes_for
 from vividc.render.array.records import UInt32Array
+from vividc.render.array.steering import SAMPLES_A_CELL
 from vividc.render.arrays import Float32Array
 from vividc.render.radiance.occupancy import March
 from vividc.render.radiance.tensorf import LINE_AXES, PLANE_AXES, Factors
@@ -34,10 +35,6 @@ _FIRST: Final = 8
 _AXES: Final = 3
 _SPARE_WORDS: Final = 160
 """What aligning a launch's arrays takes."""
-_SAMPLES_A_CELL: Final = 8
-"""Samples for which a launch has room for one cell; a block of 8x8 pixels at 800x800 lies in one
-for 8 to 20, ordered by step.
-"""
 KERNELS: Final = "render/tensor_factors"
 
 
@@ -136,7 +133,7 @@ class FactorGrid:
             words - _SPARE_WORDS - 2 * (1 + _FIRST),
             2 * CHANNELS * _CORNERS // (2 if _is_narrow(pairs) else 1),
             2 * (_AXES + 1 + width),
-            lambda samples: max(BLOCK, samples // _SAMPLES_A_CELL),
+            lambda samples: max(BLOCK, samples // SAMPLES_A_CELL),
         )
 
     def _along(self, plane: int) -> dict[str, Number]:

@@ -24,15 +24,12 @@ from vividc.render.array.records import (
     of_pieces,
     of_samples,
 )
+from vividc.render.array.steering import GROUPED
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.radiance import KiloNeRF
 
 _KERNELS: Final = "render/kilonerf"
 _STAGE: Final = "grouping"
-_MOST, _LEAST = 720, 256
-"""Samples of a piece: the fewer, the more launches; with the least, networks are counted a range
-after the other.
-"""
 _SAMPLE_WORDS: Final = 11
 """Of a sample in a launch that sorts, or of survivors, with those of the next one."""
 _RAY_WORDS: Final = 2 * 4
@@ -138,11 +135,12 @@ class Grouping:
         }
         self._count = len(model.weights[0]) + 1
         self._free = self._words_free()
+        least, most = GROUPED
         by_sample = min(
             (words - counts * _NETWORK_WORDS * (self._count + 2)) // of_sample
             for counts, of_sample, words in self._free
         )
-        self.most_samples = min(_MOST, max(_LEAST, by_sample))
+        self.most_samples = min(most, max(least, by_sample))
         self._ranges = list(self._ranges_in())
 
     def samples(self, listed: Listed) -> Samples:

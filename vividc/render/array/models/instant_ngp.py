@@ -16,12 +16,11 @@ from vividc.render.array.network.calibration import largest_inputs, of_layers
 from vividc.render.array.network.networks import dense_layers, network
 from vividc.render.array.options import RenderPrecision
 from vividc.render.array.records import Colours, Kept, UInt32Array
+from vividc.render.array.steering import NGP_BATCH, NGP_ROWS
 from vividc.render.arrays import Float32Array
 from vividc.render.radiance import InstantNGP
 from vividc.render.radiance.instant_ngp import DIRECTION_TERMS
 
-_ROWS_SHARE: Final = 0.375
-"""Of a scratchpad for a piece's features, which it holds twice."""
 _LANES: Final = 4
 """Numbers of float8 in a word."""
 _KERNELS: Final = "render/instant_ngp"
@@ -37,7 +36,7 @@ class InstantNGPField(PointField):
         no array in this format.
     """
 
-    batch = 131_072
+    batch = NGP_BATCH
 
     def __init__(
         self, model: InstantNGP, device: Device, precision: RenderPrecision = "fp32"
@@ -62,7 +61,7 @@ class InstantNGPField(PointField):
         self.words = last.shape[1] // (_LANES if is_fp8 else 1)
         if is_fp8:
             words = device.scratchpad_bytes // WORD_BYTES
-            self.most_samples = int(_ROWS_SHARE * words) // self.words
+            self.most_samples = int(NGP_ROWS * words) // self.words
         for net in (self._density_network, self._colour_network):
             net.mode(device)
 

@@ -14,6 +14,7 @@ from vividc.render.array.models.field import PointField
 from vividc.render.array.network.calibration import largest_inputs, of_layers
 from vividc.render.array.network.networks import dense_layers, network
 from vividc.render.array.options import RenderPrecision
+from vividc.render.array.steering import TENSORF_BATCH
 from vividc.render.arrays import Float32Array
 from vividc.render.radiance import TensoRF
 from vividc.render.radiance.tensorf import LINE_AXES
@@ -31,7 +32,7 @@ class TensoRFField(PointField):
         Its networks run on no array in this format.
     """
 
-    batch = 65_536
+    batch = TENSORF_BATCH
 
     def __init__(self, model: TensoRF, device: Device, precision: RenderPrecision = "fp32") -> None:
         super().__init__(model, device)

@@ -19,6 +19,7 @@ from vividc.render.array.device.launch import Words
 from vividc.render.array.network.calibration import exponents
 from vividc.render.array.network.systolic import run_systolic, tile_cycles, tpu_choice
 from vividc.render.array.options import RenderPrecision
+from vividc.render.array.steering import TPU_SAMPLES
 from vividc.render.arrays import Float32Array
 from vividc.render.errors import SceneError
 
@@ -31,10 +32,6 @@ _PLACES: Final = 2
 _ARRAYS: Final = 3
 """Of the kernel of layers."""
 _NO_LIMIT: Final = np.float32(-np.inf)
-_FEWEST: Final = 2048
-"""Samples for which layers that the tiles have a kernel for may run in a TPU-like mode: its
-programs take the host seconds to make.
-"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -151,7 +148,7 @@ class Network:
             As of `run`.
         """
         is_narrow = self.precision != "fp32"
-        if samples < _FEWEST and not is_narrow:
+        if samples < TPU_SAMPLES and not is_narrow:
             return None
         choice = tpu_choice(device, self.layers, samples)
         if choice is not None:

@@ -17,6 +17,7 @@ from vividc.render.array.device.launches import Phase
 from vividc.render.array.options import RenderPrecision
 from vividc.render.array.splats.project import DeviceSplats
 from vividc.render.array.splats.sort import ScreenLists
+from vividc.render.array.steering import PARTS_OF_A_SHARE, RUN_ENTRIES, WORTH_CUTTING
 from vividc.render.arrays import Float32Array, Int32Array, frozen_float32
 from vividc.render.camera import Camera
 from vividc.render.crop import TILE_PX
@@ -28,11 +29,6 @@ _BLOCK_PIXELS = _SIDE * _SIDE
 _LIST_PART = 160
 """Entries of a list that a run takes, as in the kernels' file."""
 _COUNTS = 4
-_RUN_ENTRIES = 32
-"""What a run costs beside its entries, as entries in a row of blocks: some 2,000 cycles."""
-_PARTS_OF_A_SHARE = (1, 2, 4, 8)
-"""Screen tiles are cut where they are more than such a part of what a tile has to do."""
-_WORTH_CUTTING = 0.8
 _CLEAR = frozen_float32(np.tile(np.array([0, 0, 0, 1]), TILE_PX * TILE_PX))
 """Black, and nothing in the way."""
 Culling: TypeAlias = Literal["none", "blocks", "pixels"]
@@ -66,7 +62,7 @@ class Band:
     def work(self) -> int:
         """Entries of the list in each row of blocks, and what its runs cost beside them."""
         length = self.last - self.first
-        return length * self.block_rows + _RUN_ENTRIES * -(-length // _LIST_PART)
+        return length * self.block_rows + RUN_ENTRIES * -(-length // _LIST_PART)
 
     def halves(self) -> tuple[Band, Band]:
         """The upper and the lower half of its rows of blocks."""
@@ -185,9 +181,9 @@ def balanced(screens: Sequence[Band], tiles: int) -> list[list[Band]]:
     """
     whole = _shares(screens, tiles)
     mean = sum(screen.work for screen in screens) / tiles
-    cut = [_shares(_cut(screens, mean / parts), tiles) for parts in _PARTS_OF_A_SHARE]
+    cut = [_shares(_cut(screens, mean / parts), tiles) for parts in PARTS_OF_A_SHARE]
     best = min(cut, key=_longest)
-    return best if _longest(best) < _WORTH_CUTTING * _longest(whole) else whole
+    return best if _longest(best) < WORTH_CUTTING * _longest(whole) else whole
 
 
 def _cut(screens: Sequence[Band], most: float) -> list[Band]:

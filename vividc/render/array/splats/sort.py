@@ -18,17 +18,12 @@ from vividc.render.array.device.device import Device
 from vividc.render.array.device.launch import Launch, Move
 from vividc.render.array.device.launches import Phase, by_cost
 from vividc.render.array.splats.project import DeviceSplats
+from vividc.render.array.steering import CHUNKS_A_TILE, SORTED_CHUNK
 from vividc.render.arrays import Int32Array
 from vividc.render.errors import SceneError
 
 _FILE = "render/splat_sort"
 _DIGIT_BITS = 6
-_CHUNK = 1024
-"""Entries that a tile works on at once."""
-_CHUNKS_A_TILE = 6
-"""That the lists of rows are cut into at least: binning of `mic` takes 326 k cycles at 800x800 with
-chunks as long as they may be, 302 k with these, and 172 k and 159 k at 200x200.
-"""
 _OUT_WORDS = 4800
 """Of what a chunk becomes in a launch; beside it lie a chunk and its counts."""
 _PLACE_COUNTS = 4096
@@ -101,9 +96,9 @@ def sort_on_array(device: Device, splats: DeviceSplats, columns: int, rows: int)
     SceneError
         They are more than the counts of their chunks have room for.
     """
-    if len(splats) > _CHUNK * _PLACE_COUNTS:
+    if len(splats) > SORTED_CHUNK * _PLACE_COUNTS:
         raise SceneError(
-            f"{len(splats)} splats are seen, and the array sorts {_CHUNK * _PLACE_COUNTS}",
+            f"{len(splats)} splats are seen, and the array sorts {SORTED_CHUNK * _PLACE_COUNTS}",
             hint="render a part of the scene, or use --engine reference",
         )
     ordered = _by_depth(device, splats)
@@ -138,7 +133,7 @@ def _bin(device: Device, ordered: Int32Array, columns: int, rows: int) -> Screen
 
     starts = [*counted.places[0].tolist(), len(by_row)]
     lists = [by_row[first:last] for first, last in pairwise(starts)]
-    length = min(_CHUNK, max(-(-len(by_row) // (_CHUNKS_A_TILE * device.tiles)), 1))
+    length = min(SORTED_CHUNK, max(-(-len(by_row) // (CHUNKS_A_TILE * device.tiles)), 1))
     chunks = [
         _Chunk((some,), row) for row, entries in enumerate(lists) for some in _cut(entries, length)
     ]
@@ -166,7 +161,7 @@ def _starts(
 
 def _chunks(pieces: Sequence[Int32Array], total: int, tiles: int) -> list[_Chunk]:
     """Cut pieces, in order, into chunks of the same length, at least one for each tile."""
-    length = min(_CHUNK, max(-(-total // tiles), 1))
+    length = min(SORTED_CHUNK, max(-(-total // tiles), 1))
     chunks: list[_Chunk] = []
     held: list[Int32Array] = []
     room = length
