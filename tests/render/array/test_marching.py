@@ -139,6 +139,27 @@ def test_narrow_features_stay_with_their_samples(
     assert on.counts["colour_samples"] < off.counts["colour_samples"]
 
 
+class FailingField(HostField):
+    """It fails in its first batch."""
+
+    fails = True
+
+    def density(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        if self.fails:
+            raise SceneError("no density")
+        return super().density(points)
+
+
+def test_what_a_failed_frame_booked_is_in_no_other(
+    host: Host, model: KiloNeRF, camera: Camera
+) -> None:
+    field = FailingField(model)
+    with pytest.raises(SceneError, match="no density"):
+        rendered(host, field, camera)
+    field.fails = False
+    assert rendered(host, field, camera)[1].counts == rendered(Host(), field, camera)[1].counts
+
+
 def test_an_empty_scene_is_white(host: Host, model: KiloNeRF, camera: Camera) -> None:
     march = model.march
     empty = replace(march, occupied=np.zeros_like(march.occupied))

@@ -52,6 +52,7 @@ def render_blocks(
     image = np.ones((camera.height, camera.width, 3), dtype=np.float32)
     inside = np.minimum((camera.width, camera.height) - corners, SIDE)
     render = batch_renderer(device, field, camera, options)
+    device.settle()  # of what failed before
     seen = seen_blocks(device, field.march, camera, corners)
     ledger = device.settle()
     ledger.count(rays=int(inside.prod(axis=1).sum()), empty_blocks=len(corners) - len(seen))
@@ -74,6 +75,7 @@ def batch_renderer(
     marcher = Marcher(device, field, camera, options)
 
     def render(blocks: Blocks) -> Batch:
+        device.settle()  # of what failed before
         return marcher.render(blocks), device.settle()
 
     return render

@@ -65,6 +65,7 @@ def render_splats(
     _check_scratchpad(machine)
     columns, rows = screen_tiles(camera)
     arrays = device_scene(scene)
+    machine.settle()  # of what failed before
     ledger = machine.ledger
     # A margin with which lookahead may go wrong does nothing without it.
     margin = chosen.exponent_margin if chosen.lookahead else BlendOptions().margin
@@ -83,7 +84,6 @@ def render_splats(
         image = blend_splats(machine, splats, lists, camera, culling, screens, chosen.precision)
         ledger.count(splats=len(splats), list_entries=len(lists.slots))
     tell(1.0)
-    machine.settle()
     corners = TILE_PX * np.stack((screens % columns, screens // columns), axis=1)
     return ArrayFrame(
         image,
