@@ -96,7 +96,8 @@ def test_other_memories_and_sizes_are_measured(tmp_path: Path) -> None:
     frames = Frames()
     reproduce(tmp_path, only=["table3"], measure=frames)
     fabrics = {key.fabric for key in frames.keys}
-    assert len(fabrics) == 7
+    assert len(fabrics) == 5  # vivid itself has 32 GB/s and 32 KiB
+    assert "vivid" in fabrics
     assert any("size_bytes: 65536" in fabric for fabric in fabrics)
     assert {key.size for key in frames.keys} == {800, 1024, 1080}
     quick = Frames()
