@@ -65,6 +65,8 @@ CHUNKS_A_TILE: Final = 6
 cycles at 800x800 and 200x200: 326 and 172 with chunks as long as they may be; 309 and 158 with 4;
 302 and 159 with 6.
 """
+SHORTEST_CHUNK: Final = 64
+"""Entries of those chunks at least. Not measured: a launch costs as much as tens of entries."""
 RUN_ENTRIES: Final = 32
 """What a run of blending costs beside its entries, as entries in a row of blocks: some 2,000
 cycles. Blending takes 5.8 % more with 64, and the same with 16.

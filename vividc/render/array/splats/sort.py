@@ -18,7 +18,7 @@ from vividc.render.array.device.device import Device
 from vividc.render.array.device.launch import Launch, Move
 from vividc.render.array.device.launches import Phase, by_cost
 from vividc.render.array.splats.project import DeviceSplats
-from vividc.render.array.steering import CHUNKS_A_TILE, SORTED_CHUNK
+from vividc.render.array.steering import CHUNKS_A_TILE, SHORTEST_CHUNK, SORTED_CHUNK
 from vividc.render.arrays import Int32Array
 from vividc.render.errors import SceneError
 
@@ -133,7 +133,8 @@ def _bin(device: Device, ordered: Int32Array, columns: int, rows: int) -> Screen
 
     starts = [*counted.places[0].tolist(), len(by_row)]
     lists = [by_row[first:last] for first, last in pairwise(starts)]
-    length = min(SORTED_CHUNK, max(-(-len(by_row) // (CHUNKS_A_TILE * device.tiles)), 1))
+    share = -(-len(by_row) // (CHUNKS_A_TILE * device.tiles))
+    length = min(SORTED_CHUNK, max(SHORTEST_CHUNK, share))
     chunks = [
         _Chunk((some,), row) for row, entries in enumerate(lists) for some in _cut(entries, length)
     ]
