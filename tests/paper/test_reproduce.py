@@ -105,6 +105,19 @@ def test_other_memories_and_sizes_are_measured(tmp_path: Path) -> None:
     assert {key.size for key in quick.keys} == {200, 256, 268}
 
 
+def test_rates_of_small_pictures_have_no_verdict(tmp_path: Path) -> None:
+    """The paper's are of 800x800."""
+    found = {}
+    for quick in (False, True):
+        exhibits = ["fig7c", "weights", "table3"]
+        report = reproduce(tmp_path, only=exhibits, quick=quick, measure=Frames())
+        lines = [line for one in report.exhibits for line in one.lines if line.ours is not None]
+        found[quick] = {line.verdict for line in lines}
+        assert quick == all("pictures of 200x200" in line.because for line in lines)
+    assert "not measured" not in found[False]
+    assert found[True] == {"not measured"}
+
+
 def test_an_interrupted_run_goes_on(tmp_path: Path) -> None:
     with pytest.raises(KeyboardInterrupt):
         reproduce(tmp_path, only=["fig7c"], measure=Frames(most=5))

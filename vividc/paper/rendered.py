@@ -53,6 +53,8 @@ _MEMORY: Final = (16, 32, 64, 102)
 _SCRATCHPADS: Final = (32, 64)
 """In KiB."""
 _VIVID: Final = "vivid"
+_SIDE: Final = 800
+"""Of the paper's pictures, in pixels."""
 _NOT_YET: Final = "the frame has not been measured"
 _ARRAY: Final = (
     "theirs is of an edge GPU, ours of the array, where the networks are nearer to the peak"
@@ -74,7 +76,7 @@ class Frames:
     """
 
     scenes: Scenes
-    side: int = 800
+    side: int = _SIDE
     sample: float = 0.05
     quality_side: int = 200
     quality_sample: float = 1.0
@@ -234,7 +236,7 @@ def weights(frames: Frames, rows: Rows) -> Exhibit:
             after = _mean(rows, views, "psnr_truth")
             loss = "" if before is None or after is None else f", {before - after:.2f} dB less"
             what = f"{method}, weights above {weight:g}: frames a second{loss}"
-            lines.append(_at_least(what, _rate(rows.get(first))))
+            lines.append(_at_scale(frames, _at_least(what, _rate(rows.get(first)))))
     return Exhibit(
         "weights",
         "A threshold of weights (not in the paper)",
@@ -256,7 +258,7 @@ def figure_7c(frames: Frames, rows: Rows) -> Exhibit:
     factors: dict[str, dict[str, float]] = {}
     for method in METHODS:
         rates = [_rate(rows.get(frames.key(method, step))) for step in STEPS]
-        lines.append(_at_least(f"{method}: frames a second", rates[-1]))
+        lines.append(_at_scale(frames, _at_least(f"{method}: frames a second", rates[-1])))
         found = {
             step: after / before
             for (before, after), step in zip(pairwise(rates), list(STEPS)[1:], strict=True)
@@ -311,7 +313,8 @@ def table_3(frames: Frames, rows: Rows) -> Exhibit:
             ratio = theirs[method] / published.SPEED_UP_BY_PIXELS[first][method]
             why = "theirs is of other, larger scenes, and over a GPU that slows down with them"
             what = f"{method}: pixels a second at {size} over 800x800"
-            lines.append(_unmeasured(judged(what, ours, round(ratio, 2), "x", why)))
+            line = _unmeasured(judged(what, ours, round(ratio, 2), "x", why))
+            lines.append(_at_scale(frames, line))
     machines = [
         (name, *(tenths(_rate(rows.get(frames.on(method, fabric)))) for method in METHODS))
         for name, fabric in _fabrics().items()
@@ -354,7 +357,7 @@ def _fabrics() -> dict[str, str]:
 
 def _scaled(frames: Frames, side: int) -> int:
     """A side of Table 3 at the scale of the other frames: a quarter for pictures of 200x200."""
-    return side * frames.side // 800 // 4 * 4
+    return side * frames.side // _SIDE // 4 * 4
 
 
 def _theirs_rate() -> tuple[float, float]:
@@ -369,6 +372,14 @@ def _at_least(what: str, rate: float | None) -> Line:
         return Line(what, rate, theirs, "frames/s", "reproduced", "at least their slowest")
     why = "stages below their roofs: benchmarks/paper.md names them"
     return Line(what, rate, theirs, "frames/s", "different", why)
+
+
+def _at_scale(frames: Frames, line: Line) -> Line:
+    """Return a line about frame rates with no verdict, if pictures are smaller than theirs."""
+    if line.ours is None or frames.side == _SIDE:
+        return line
+    why = f"ours is of pictures of {frames.side}x{frames.side}: leave out --quick"
+    return replace(line, verdict="not measured", because=why)
 
 
 def _step_table(frames: Frames, rows: Rows) -> Table:
