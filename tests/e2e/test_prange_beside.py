@@ -98,6 +98,25 @@ def running_sums(m, n):
     return (sums + 1).astype(np.int32)
 
 
+@vividc.kernel("Tuple((int32[:, ::1], int32[:, ::1]))(int32[:, ::1], int32[:, ::1], int32[::1])")
+def shapes_at_launch(pos, vel, told):
+    moved = np.zeros_like(pos)
+    for i in prange(pos.shape[0]):
+        for k in range(pos.shape[1]):
+            moved[i, k] += pos[i, k] * 3
+    told[1] = pos.shape[0]
+    return (vel + moved).astype(np.int32), (pos - vel).astype(np.int32)
+
+
+@vividc.kernel("int32[:, ::1](int32[:, ::1], int32, int32)")
+def windows(m, first, less):
+    out = np.zeros_like(m)
+    for y in prange(m.shape[0]):
+        for x in range(first, m.shape[1] - less):
+            out[y, x] = m[y, x] + x
+    return out
+
+
 @vividc.kernel("int32[::1](int32[::1])")
 def neighbours(x):
     once = np.zeros(len(x), np.int32)
@@ -148,6 +167,28 @@ def test_spread_as_numba_computes(kernel: Kernel, args: tuple[Any, ...], chunk: 
     assert (len(made.plan.chunks) > 1) is (chunk != 1000 and len(_rows(args)) > 0)
     for one, other in zip(_all(made.simulate().value), _all(kernel(*args)), strict=True):
         np.testing.assert_array_equal(one, other)
+
+
+def test_what_all_chunks_store_alike_is_stored_once() -> None:
+    mine, theirs = np.arange(4, dtype=np.int32), np.arange(4, dtype=np.int32)
+    made = launched(shapes_at_launch, (NUMBERS, NUMBERS + 1, mine))
+    assert len(made.plan.chunks) > 1
+    found, wanted = made.simulate().value, shapes_at_launch(NUMBERS, NUMBERS + 1, theirs)
+    for one, other in zip(found, wanted, strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert mine.tolist() == theirs.tolist() == [0, 71, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("first", "less", "is_spread"),
+    [(2, 3, True), (-2, 2, False), (0, 0, True), (40, 9, True), (3, 2**31 - 1, True)],
+)
+def test_columns_between_sums_of_64_bits(first: int, less: int, is_spread: bool) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", VividcWarning)
+        made = launched(windows, (NUMBERS, first, less))
+    assert (len(made.plan.chunks) > 1) is is_spread
+    np.testing.assert_array_equal(made.simulate().value, windows(NUMBERS, first, less))
 
 
 def test_an_array_larger_than_a_scratchpad() -> None:

@@ -120,3 +120,15 @@ def raising(random: Random) -> Iterator[tuple[int, str]]:
         yield 0, "w[i] = v[i] - w[i]"
     else:
         yield 0, f"w[i, 0] = np.sum(v[i] * v[i, {random.randrange(COLS)}])"
+
+
+def wide_columns(random: Random) -> str:
+    """A loop over columns whose ends are sums of 64 bits."""
+    forms = (
+        f"range(m, {COLS} - m)",
+        f"range(max(m - 9, -{COLS}), min(m + 1, {COLS}))",
+        f"range(min(m + 1, {COLS}))",
+        f"range(max(m - 4, -{COLS}), 1)",
+        f"range({COLS} - 1 - (m >> 2), {COLS})",
+    )
+    return f"for j in {random.choice(forms)}:"

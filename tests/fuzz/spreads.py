@@ -17,7 +17,7 @@ from random import Random
 import numpy as np
 
 from tests.fuzz.arguments import Difference, compare
-from tests.fuzz.beside import COLS, beside, makes, raising, returned, rows_of_made
+from tests.fuzz.beside import COLS, beside, makes, raising, returned, rows_of_made, wide_columns
 from tests.fuzz.witnesses import Verdict, load, words_in_blocks
 from vividc import arch
 from vividc.arch import Accelerator
@@ -119,7 +119,7 @@ class _Writer:
             self.say(1, "for k in range(len(t)):")
             self.say(2, f"t[k] = {self.pick('k', '0', 'x[k & 7] & 15')}")
         elif made == "empty":
-            self.say(1, "t[0] = 5")
+            self.say(1, "t[:] = 5")
 
     def _around(self, returns: bool) -> int:
         """What the loop stands in; its depth."""
@@ -226,6 +226,8 @@ class _Writer:
             f"for j in range(x[i] & 3, min(x[i] & 7, {COLS} - 1) + 1):",
             f"for j in range(min(x[i] & 7, {COLS} - 1), (x[i] & 3) - 1, -1):",
         )
+        if self.more.random() < 0.2:
+            line = wide_columns(self.more)
         self.say(depth, line)
         row = self.pick("i", "i", "i", "n - 1 - i") if not self.meets else self.pick("i", "i // 2")
         number = self.pick("v[i, j]", "v[max(i - 1, 0), j]", "w[i, j] + j", f"v[i, {COLS - 1} - j]")

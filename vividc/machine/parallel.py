@@ -169,6 +169,9 @@ class Parallel:
     sliced
         Arrays of the kernel's own that a launch cuts into slices as it does those of arguments:
         each chunk has its own, and nobody else needs what is left there.
+    alike
+        Arrays to which every chunk stores the same words, whatever its iterations, and from which
+        none loads: what one of them leaves there is what all do.
     """
 
     terms: tuple[Term, ...]
@@ -182,6 +185,7 @@ class Parallel:
     around: tuple[str, ...] = ()
     beside: tuple[Beside, ...] = ()
     sliced: tuple[str, ...] = ()
+    alike: tuple[str, ...] = ()
     loc: SourceLoc | None = field(default=None, compare=False)
 
     @property

@@ -96,7 +96,9 @@ def _parallel_faults(program: Program) -> Iterator[str]:
     if not in_table or not is_well_formed(parallel.terms):
         yield "its description of the parallel loop is not in order"
     arrays |= {local.name for local in program.locals if local.contents is None}
-    if not arrays.issuperset({*parallel.sliced, *(one.array for one in parallel.accesses)}):
+    if not arrays.issuperset(
+        {*parallel.sliced, *parallel.alike, *(one.array for one in parallel.accesses)}
+    ):
         yield "its parallel loop uses an array that it has not"
     if parallel.result is not None and not 0 <= parallel.result < len(parallel.reductions):
         yield "it returns a reduction that it has not"

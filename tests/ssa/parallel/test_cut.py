@@ -48,7 +48,8 @@ def run(function: Function, *lines: str) -> object:
     result = f"result {found.result}, unsigned {found.is_unsigned}, at {found.loc}"
     bounds = f"from {term(found.first)} to {term(found.last)}"
     sliced = (f"sliced {name}" for name in found.sliced)
-    return made, bounds, *beside, *sliced, *accesses, *reductions, result
+    alike = (f"alike {name}" for name in found.alike)
+    return made, bounds, *beside, *sliced, *alike, *accesses, *reductions, result
 
 
 @cases(__file__)

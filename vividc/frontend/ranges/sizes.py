@@ -58,7 +58,9 @@ def bounds_of_made(function: Function, limit: int) -> dict[Key, Interval]:
     """
     sizes = [param.made for param in function.params if param.made]
     sizes += [local.size for local in function.locals if local.size]
-    made = dict(filter(None, map(_product_of, sizes)))
+    made: dict[tuple[str, ...], int] = {}
+    for inputs, factor in filter(None, map(_product_of, sizes)):
+        made[inputs] = max(made.get(inputs, 0), factor)
     found: dict[Key, Product] = {}
     bounds: dict[Key, Interval] = {}
     for block in function.blocks if made else ():

@@ -282,7 +282,9 @@ def _conflict_of(cut: Cut, plan: Plan) -> ArgumentError | None:
     """Return why the loop cannot be cut so: a chunk may touch what another writes. None: it can."""
     if len(plan.chunks) == 1:
         return None
-    for name in cut.sizes:
+    parallel = cut.program.parallel
+    alike = () if parallel is None else parallel.alike
+    for name in (name for name in cut.sizes if name not in alike):
         uses = sorted(_uses(plan.chunks, name), key=lambda use: use[:4])
         open_: list[tuple[int, int, bool, SourceLoc | None]] = []
         for start, number, end, writes, loc in uses:

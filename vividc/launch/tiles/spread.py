@@ -256,7 +256,7 @@ class _Builder:
             start, _ = part = aligned(hull)
             address = self._address(name, half, start)
             self._set(inputs, extents, name, address, part)
-            if name in chunk.overwritten or name not in self._arrays:
+            if name in chunk.overwritten or not self._is_moved(name, chunk):
                 moves += before
                 continue
             view = self._view(name, hull)
@@ -271,10 +271,23 @@ class _Builder:
                 place = self._address(name, half, start) - start
                 stores[name] = (place + touch.stores[0], place + touch.stores[1])
         run = self._job.execute(tile, self._program, inputs, extents, stores, after=moves)
-        moved = {name: source for name, (source, _) in stores.items() if name in self._arrays}
+        moved = {
+            name: source
+            for name, (source, _) in stores.items()
+            if name == self._error or self._is_moved(name, chunk)
+        }
         done = [self._moved_out(tile, chunk, name, source, run) for name, source in moved.items()]
         self._turns.free(tile, half, run, *done)
         return run
+
+    def _is_moved(self, name: str, chunk: Chunk) -> bool:
+        """Whether what a chunk leaves in an array is for others: not in one of the kernel's own;
+        of what all leave there alike, what the first leaves.
+        """
+        parallel = self._program.parallel
+        alike = () if parallel is None else parallel.alike
+        is_first = chunk is self._plan.chunks[0]
+        return name in self._arrays and (name not in alike or is_first)
 
     def _moved_out(self, tile: int, chunk: Chunk, name: str, source: int, run: int) -> int:
         """Move out what a chunk has stored, or which exception it raised."""

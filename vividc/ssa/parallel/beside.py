@@ -24,7 +24,7 @@ from vividc.ssa.analysis.counters import Counter, counter_of, defined_in
 from vividc.ssa.edit import read_values, with_blocks
 from vividc.ssa.flow import Loop, block_graph, dominators, find_loops
 from vividc.ssa.ir import Block, Function, Input, Instr, Phi, Ref, Value
-from vividc.ssa.parallel.spread_proof import is_exact, is_made_in, runs_for_certain
+from vividc.ssa.parallel.spread_proof import ends_simulation, is_exact, is_made_in, runs_for_certain
 from vividc.ssa.parallel.terms import TermTable
 
 
@@ -223,3 +223,34 @@ class Beginnings:
             block not in one.loop.blocks and header in self._before.get(block, {header})
             for block in blocks
         )
+
+
+def alike(
+    function: Function, parallel: Loop, found: Sequence[Companion], table: TermTable
+) -> tuple[str, ...]:
+    """Arrays of the launch to which every chunk stores the same, such as the shape of what is
+    returned: outside these loops and on every way through the kernel, what the launch knows.
+    """
+    inside = parallel.blocks.union(*(one.loop.blocks for one in found))
+    certain = _on_every_way(function)
+    own = {local.name for local in function.locals}
+    same: set[str] = set()
+    other: set[str] = set()
+    for block in function.blocks:
+        for instr in block.instrs:
+            if instr.op in MEMORY and instr.array not in own:
+                is_same = (
+                    instr.op is Opcode.STORE
+                    and block.name in certain - inside
+                    and all(is_exact(table, table.of(value)) for value in instr.operands[1:])
+                )
+                (same if is_same else other).add(instr.array)
+    return tuple(sorted(same - other))
+
+
+def _on_every_way(function: Function) -> frozenset[str]:
+    """Blocks that every run comes through that does not end in an error of the simulation."""
+    before = dominators(function)
+    ends = [b.name for b in function.blocks if b.branch.target is None and not ends_simulation(b)]
+    ways = [before[name] for name in ends if name in before]
+    return frozenset.intersection(*ways) if ways else frozenset()

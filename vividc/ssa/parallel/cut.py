@@ -32,6 +32,7 @@ from vividc.ssa.parallel.beside import (
     NOTHING_SHARED,
     Beginnings,
     Sharing,
+    alike,
     between_inputs,
     own_stored,
     sharing_of,
@@ -164,7 +165,8 @@ def _cut(
     tests = (instr for instr in header.instrs if Ref(instr.id) == header.branch.cond)
     is_unsigned = any(test.op is Opcode.ICMP_ULT for test in tests)
     made = Parallel(terms, *bounds, accesses, reductions, result, is_unsigned, blocks, loc=loc)
-    return cut, replace(made, beside=described, sliced=tuple(sorted(sharing.sliced)))
+    same = alike(cut, loop, sharing.companions, table)
+    return cut, replace(made, beside=described, sliced=tuple(sorted(sharing.sliced)), alike=same)
 
 
 def _marked_loop(

@@ -4,6 +4,8 @@ conditions around an access bound it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from vividc.machine.opcodes import Opcode
 from vividc.machine.parallel import (
     ANY,
@@ -23,6 +25,7 @@ from vividc.ssa.analysis.induction import Induction, induction_of
 from vividc.ssa.analysis.polynomial import Polynomial
 from vividc.ssa.flow import Loop, dominators, find_loops, immediate_dominators, predecessors
 from vividc.ssa.ir import Block, Const, Function, Input, Instr, Phi, Ref, Value
+from vividc.ssa.parallel.wide_counters import Pair, WideCounter, is_word, wide_counter
 
 Fact = tuple[int, bool]
 """A condition's id, and how it was decided."""
@@ -72,6 +75,9 @@ class TermTable:
         self._home = {i.id: b for b in function.blocks for i in b.items}
         self._values = {i.id: i for b in function.blocks for i in b.items}
         self._loops = {loop.header: loop for loop in find_loops(function)}
+        found = {name: wide_counter(function, loop) for name, loop in self._loops.items()}
+        self._wide = {name: wide for name, wide in found.items() if wide is not None}
+        self._wide_tests = {wide.test: wide for wide in self._wide.values()}
         self._facts = _facts_of_blocks(function)
         self._dominators = dominators(function)
 
@@ -129,10 +135,11 @@ class TermTable:
             inside = loop.header
             if loop is outermost:
                 break
-            counter = self._counter(loop)
-            if counter is None or [source for source, _ in loop.exits] != [loop.header]:
+            counter, wide = self._counter(loop), self._wide.get(loop.header)
+            phi = wide.phi if wide is not None else None if counter is None else counter[0].phi
+            if phi is None or [source for source, _ in loop.exits] != [loop.header]:
                 return None
-            counters.append(self.counter_itself(loop.header, counter[0].phi.id))
+            counters.append(self.counter_itself(loop.header, phi.id))
         return tuple(counters)
 
     def counter_itself(self, header: str, phi: int) -> int:
@@ -197,6 +204,11 @@ class TermTable:
         return self._add(Term(UNION, parts))
 
     def _induction(self, phi: Phi, loop: Loop, facts: frozenset[Fact]) -> int:
+        wide = self._wide.get(loop.header)
+        if wide is not None and wide.phi.id == phi.id:
+            around = self.facts(loop.header)
+            ends = (self._word_of(pair, around) for pair in (wide.start, wide.limit))
+            return self._add(Term(COUNTER, (*ends, self._add(Term(CONST, word=wide.step)))))
         moves = induction_of(self._function, loop.blocks, phi)
         if moves is None or moves.start is None or moves.update.op is not Opcode.ADD:
             return self._add(Term(ANY, word=WORD_BITS))
@@ -215,6 +227,27 @@ class TermTable:
         return self._add(
             Term(STEPS, (self.of(moves.start, around), self.of(moves.by, around), count))
         )
+
+    def _word_of(self, pair: Pair, facts: frozenset[Fact]) -> int:
+        """The term of an integer in two words, which may be anything where it is no word."""
+        low, tests = self.of(pair[0], facts), self._tests((pair,), facts)
+        return low if tests is None else self._add(Term(CHOICE, (tests, low, self.anything())))
+
+    def _below(self, number: int, wide: WideCounter, facts: frozenset[Fact]) -> int:
+        """The term of a counter in two words where its loop goes on."""
+        below = self._add(Term("lt", (number, self.of(wide.limit[0], facts))))
+        tests = self._tests((wide.start, wide.limit), facts)
+        return below if tests is None else self._add(Term(CHOICE, (tests, below, number)))
+
+    def _tests(self, pairs: Sequence[Pair], facts: frozenset[Fact]) -> int | None:
+        """The term of whether integers in two words are words; None: they are."""
+        by = self._add(Term(CONST, word=WORD_BITS - 1))
+        total: int | None = None
+        for low, high in (pair for pair in pairs if not is_word(self._function, pair)):
+            sign = self._add(Term(Opcode.ASHR.value, (self.of(low, facts), by)))
+            one = self._add(Term(Opcode.ICMP_EQ.value, (self.of(high, facts), sign)))
+            total = one if total is None else self._add(Term(Opcode.AND.value, (total, one)))
+        return total
 
     def _inclusive(self, moves: Induction, start: Value, loop: Loop) -> int:
         """The counter of a loop that runs once more where it is at its limit: as if steps might be
@@ -304,13 +337,19 @@ class TermTable:
         return definition if isinstance(definition, Instr) else None
 
     def _clamped(self, number: int, value: Value, cond: int, taken: bool) -> int:
+        wide = self._wide_tests.get(cond)
+        if wide is not None and taken and value == Ref(wide.phi.id):
+            return self._below(number, wide, self.facts(self._home[cond].name))
         test = self._values.get(cond)
-        if not isinstance(test, Instr):
-            return number
+        return self._compared(number, value, test, taken) if isinstance(test, Instr) else number
+
+    def _compared(self, number: int, value: Value, test: Instr, taken: bool) -> int:
+        """The term of a value of which a test was decided."""
+        home = self._home[test.id].name
         less = self._less(test)
         if less is not None and taken and value in less:
             is_first = value == less[0]
-            other = self.of(less[1 if is_first else 0], self.facts(self._home[cond].name))
+            other = self.of(less[1 if is_first else 0], self.facts(home))
             return self._add(Term("lt" if is_first else "gt", (number, other)))
         joins = Opcode.AND if taken else Opcode.OR
         if test.op is joins:
@@ -324,7 +363,7 @@ class TermTable:
         relation = _relation(test.opcode, taken, is_first)
         if relation is None:
             return number
-        other = self.of(test.operands[1 if is_first else 0], self.facts(self._home[cond].name))
+        other = self.of(test.operands[1 if is_first else 0], self.facts(home))
         return self._add(Term(relation, (number, other)))
 
 
