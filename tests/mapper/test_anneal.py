@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 
@@ -12,8 +14,15 @@ from vividc.mapper.bounds.bounds import all_bounds, mii
 from vividc.mapper.engines.negotiate.anneal import State, anneal, new_heat
 from vividc.mapper.engines.negotiate.arrays import Task, build_task
 from vividc.mapper.engines.negotiate.frame import Frame
-from vividc.mapper.engines.negotiate.motion import cost_all, new_motion
-from vividc.mapper.engines.negotiate.places import Places, early, enter, new_places
+from vividc.mapper.engines.negotiate.motion import LATES, cost_all, new_motion
+from vividc.mapper.engines.negotiate.places import (
+    Places,
+    early,
+    enter,
+    excess,
+    lie,
+    new_places,
+)
 from vividc.mapper.engines.negotiate.traffic import OVER, new_graph, new_scratch, new_traffic
 from vividc.mapper.engines.negotiate.ways import Router, route_as_shown
 from vividc.mapper.engines.negotiate.words import (
@@ -31,7 +40,7 @@ from vividc.mapper.resources.mrrg import build_mrrg
 MOVES = 60_000
 
 
-def annealed(name: str, seed: int, more: int) -> tuple[MapProblem, Task, State]:
+def annealed(name: str, seed: int, more: int, moves: int = MOVES) -> tuple[MapProblem, Task, State]:
     """A state in the middle of annealing, all words shown."""
     fabric = arch.load(name)
     assert isinstance(fabric, Fabric)
@@ -44,19 +53,18 @@ def annealed(name: str, seed: int, more: int) -> tuple[MapProblem, Task, State]:
     task, ids = build_task(problem, ii, frame, build_mrrg(fabric))
     places, words = new_places(task, seed + 1), new_words(task)
     for node, number in enumerate(ids):
-        places.pe[node] = task.nodes.pe_items[task.nodes.pe_begin[node]]
-        places.time[node] = start[number]
+        lie(places, ii, node, int(task.nodes.pe_items[task.nodes.pe_begin[node]]), start[number])
         enter(task.nodes, task.array, places, node, 1)
     state = State(places, words, new_motion(task, words))
     show_all(task, places, words)
-    anneal(task, state, new_heat(20.0, 0.2, MOVES), MOVES)
+    anneal(task, state, new_heat(20.0, 0.2, moves), moves)
     return problem, task, state
 
 
 def counted_anew(task: Task, state: State) -> Places:
     fresh = new_places(task, 1)
     for node in range(len(task.nodes.latency)):
-        fresh.pe[node], fresh.time[node] = state.places.pe[node], state.places.time[node]
+        lie(fresh, task.array.ii, node, state.places.pe[node], state.places.time[node])
         enter(task.nodes, task.array, fresh, node, 1)
     if task.array.moves:
         for word in range(len(state.words.size)):
@@ -69,7 +77,7 @@ def counted_anew(task: Task, state: State) -> Places:
 def test_what_is_claimed_is_what_lies_there(name: str, seed: int) -> None:
     _, task, state = annealed(name, seed, 0)
     fresh = counted_anew(task, state)
-    for part in ("counts", "over", "held", "stored"):
+    for part in ("slot", "counts", "over", "held", "stored"):
         assert np.array_equal(getattr(state.places, part), getattr(fresh, part)), part
 
 
@@ -81,6 +89,26 @@ def test_kept_costs_are_those_of_what_lies_there(name: str) -> None:
     assert np.array_equal(state.motion.edge_cost, fresh.edge_cost)
     assert np.array_equal(state.motion.word_cost, fresh.word_cost)
     assert fresh.word_cost.any()
+    assert state.motion.listed[LATES] == fresh.listed[LATES]
+
+
+@pytest.mark.parametrize("name", ["adres-3x3", "mesh-3x3"])
+@pytest.mark.parametrize("seed", range(3))
+def test_no_more_goes_with_nodes_than_they_have_a_part_in(name: str, seed: int) -> None:
+    """What refuses a move before it is made: pairs of nodes, which may share a slot or a store."""
+    _, task, state = annealed(name, seed, 0, moves=20)
+    places, freed = state.places, 0
+    assert places.over[0] > 0
+    for pair in combinations(range(len(task.nodes.latency)), 2):
+        most = sum(excess(task.nodes, task.array, places, node) for node in pair)
+        before = int(places.over[0])
+        for node in pair:
+            enter(task.nodes, task.array, places, node, -1)
+        freed += before - int(places.over[0])
+        assert before - places.over[0] <= most
+        for node in pair:
+            enter(task.nodes, task.array, places, node, 1)
+    assert freed
 
 
 def test_every_claim_is_taken_back() -> None:

@@ -15,7 +15,7 @@ from vividc.mapper.engines.negotiate import Effort, negotiate
 from vividc.mapper.engines.negotiate.anneal import new_heat
 from vividc.mapper.engines.negotiate.frame import loose_frame
 from vividc.mapper.engines.negotiate.negotiate import Negotiation
-from vividc.mapper.engines.negotiate.places import broken, enter
+from vividc.mapper.engines.negotiate.places import broken, enter, lie
 from vividc.mapper.engines.negotiate.repair import new_undo, repair
 from vividc.mapper.engines.negotiate.traffic import OVER, new_graph, new_scratch, new_traffic
 from vividc.mapper.engines.negotiate.ways import Router, route_round
@@ -42,7 +42,7 @@ def full() -> Negotiation:
     one = Negotiation(problem, II, frame, 1)
     for node in range(PES * II):
         enter(one.task.nodes, one.task.array, one.places, node, -1)
-        one.places.pe[node], one.places.time[node] = node % PES, node // PES
+        lie(one.places, II, node, node % PES, node // PES)
         enter(one.task.nodes, one.task.array, one.places, node, 1)
     assert broken(one.task, one.places) == 0
     traffic = new_traffic(one.mrrg, one.task, one.room)

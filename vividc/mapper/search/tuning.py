@@ -85,13 +85,13 @@ SECOND_SEED: Final = 2
 """Of the first negotiation after a warm start, which has seed 1."""
 
 # Negotiation.
-QUICK: Final = Effort(moves=3000, rounds=30, repairs=60, trials=1, shown=1)
+QUICK: Final = Effort(moves=2000, rounds=30, repairs=60, trials=1, shown=1)
 """To find a first mapping."""
 DESCENTS: Final = (Effort(trials=1), Effort())
 DESCENTS_WITH_MOVES: Final = (
     Effort(moves=4000, repairs=60, shown=1),
     Effort(moves=4000, repairs=60),
-    Effort(),
+    Effort(moves=8000),
     Effort(moves=16000),
 )
 """Of each round downward. Where FUs move words, tries that fail take longest; rounds of growing
@@ -175,7 +175,7 @@ PATIENCES: Final = {
         0.5, 1.0, good=1 / 8, near=0.0, large=1.0, turn_s=0.5, first_proof_s=0.0, proof_s=0.0
     ),
     "normal": Patience(
-        least_s=8.0,
+        least_s=6.0,
         factor=1.0,
         good=1 / 8,
         near=5 / 16,

@@ -31,8 +31,9 @@ class Nodes(NamedTuple):
     """What is placed, by dense number (ascending id).
 
     `can`: uint8 (nodes, PEs); `latency`: cycles from issue to result; `busy`: cycles for which it
-    keeps its FU; `last`: its latest start; `kind`: bits `FU`, `MEMORY`, `CONTROL`; `keys`:
-    constant-store entries; `key_uses`: `READ` or `WRITTEN` for each.
+    keeps its FU; `done`: its last cycle after the one of its issue, modulo II; `last`: its latest
+    start; `kind`: bits `FU`, `MEMORY`, `CONTROL`; `keys`: constant-store entries; `key_uses`:
+    `READ` or `WRITTEN` for each.
     """
 
     can: Bytes2
@@ -40,6 +41,7 @@ class Nodes(NamedTuple):
     pe_items: Ints
     latency: Ints
     busy: Ints
+    done: Ints
     last: Ints
     kind: Ints
     key_begin: Ints
@@ -127,7 +129,7 @@ def build_task(
     """The arrays, and the ids of the nodes in the order of their numbers."""
     ids = tuple(sorted(node.id for node in problem.dfg.placed))
     number = {node: index for index, node in enumerate(ids)}
-    nodes, keys = _nodes(problem, ids, frame)
+    nodes, keys = _nodes(problem, ids, frame, ii)
     edges = dependences(problem.dfg, problem.fabric)
     array = _array(problem, ii, graph, keys)
     return Task(nodes, _edges(edges, number, ii), array, _meets(frame.meetings, number)), ids
@@ -141,7 +143,7 @@ def _meets(meetings: Meetings, number: dict[int, int]) -> Meets:
 
 
 def _nodes(
-    problem: MapProblem, ids: Sequence[int], frame: Frame
+    problem: MapProblem, ids: Sequence[int], frame: Frame, ii: int
 ) -> tuple[Nodes, dict[ConstantKey, int]]:
     placed = [problem.dfg.by_id[node] for node in ids]
     candidates = [problem.candidates(node) for node in placed]
@@ -170,6 +172,7 @@ def _nodes(
         packed.items,
         ints(latency),
         ints(problem.fabric.occupancy(node) for node in placed),
+        ints((cycles - 1) % ii for cycles in latency),
         ints(frame.last[node.id] for node in placed),
         ints(kinds),
         keys.begin,

@@ -8,7 +8,7 @@ import numpy as np
 
 from vividc.mapper.engines.negotiate.arrays import FU, Array, Bytes, Edges, Floats, Ints2, Task
 from vividc.mapper.engines.negotiate.compiled import inlined
-from vividc.mapper.engines.negotiate.places import Places, early, enter
+from vividc.mapper.engines.negotiate.places import Places, early, enter, excess, lie
 from vividc.mapper.engines.negotiate.words import (
     MOST_HOPS,
     Words,
@@ -34,8 +34,8 @@ word with too many reads, which share most of it.
 STALL = 8.0
 """An expected cycle of an iteration in which the tile stands still, where such are counted."""
 
-NODES, EDGES, WORDS = 0, 1, 2
-"""Positions in `Motion.listed`."""
+NODES, EDGES, WORDS, LATES = 0, 1, 2, 3
+"""Positions in `Motion.listed`; the last one: edges whose ends come too early, by their costs."""
 
 
 class Motion(NamedTuple):
@@ -67,7 +67,7 @@ def new_motion(task: Task, words: Words) -> Motion:
     """No node moves."""
     nodes, edges = len(task.nodes.latency), len(task.edges.src)
     return Motion(
-        listed=np.zeros(3, dtype=np.int64),
+        listed=np.zeros(4, dtype=np.int64),
         nodes=np.zeros(nodes, dtype=np.int64),
         edges=np.zeros(edges, dtype=np.int64),
         words=np.zeros(nodes, dtype=np.int64),
@@ -137,8 +137,10 @@ def _list_word(motion: Motion, word: int) -> None:
 @inlined
 def cost_all(task: Task, places: Places, motion: Motion) -> None:
     """Enter the costs of all edges and words as they lie."""
+    motion.listed[LATES] = 0
     for edge in range(len(motion.edge_cost)):
         motion.edge_cost[edge] = _edge_cost(task.edges, task.array, places, edge)
+        motion.listed[LATES] += int(motion.edge_cost[edge] >= LATE)
     for word in range(len(motion.word_cost)):
         motion.word_cost[word] = _word_cost(task, places, word)
 
@@ -170,12 +172,14 @@ def meeting_cost(task: Task, places: Places, motion: Motion) -> float:
         one = meets.access[node]
         if one < 0:
             continue
+        slot = places.slot[node]
         for other in range(len(meets.node)):
             its = meets.node[other]
-            later = places.time[node] - places.time[its]
-            if later % ii == 0 and other != one and not (motion.node_in[its] and other < one):
-                apart = min(max(later // ii, -meets.far), meets.far)
-                stalls += meets.stalls[one, other, meets.far + apart]
+            if places.slot[its] != slot or other == one or (motion.node_in[its] and other < one):
+                continue
+            apart = (places.time[node] - places.time[its]) // ii
+            apart = min(max(apart, -meets.far), meets.far)
+            stalls += meets.stalls[one, other, meets.far + apart]
     return STALL * stalls
 
 
@@ -184,7 +188,9 @@ def keep_costs(motion: Motion) -> None:
     """The move stays made."""
     for at in range(motion.listed[EDGES]):
         edge = motion.edges[at]
-        motion.edge_cost[edge] = motion.edge_next[edge]
+        before, after = motion.edge_cost[edge], motion.edge_next[edge]
+        motion.listed[LATES] += int(after >= LATE) - int(before >= LATE)
+        motion.edge_cost[edge] = after
     for at in range(motion.listed[WORDS]):
         word = motion.words[at]
         motion.word_cost[word] = motion.word_next[word]
@@ -213,12 +219,12 @@ def clashes(task: Task, places: Places, words: Words, motion: Motion) -> int:
 
 
 @inlined
-def swap(places: Places, motion: Motion) -> None:
+def swap(task: Task, places: Places, motion: Motion) -> None:
     """Exchange where nodes are with where they go, in name only: what they claim stays."""
     for at in range(motion.listed[NODES]):
         node = motion.nodes[at]
         pe, time = places.pe[node], places.time[node]
-        places.pe[node], places.time[node] = motion.pe[node], motion.time[node]
+        lie(places, task.array.ii, node, motion.pe[node], motion.time[node])
         motion.pe[node], motion.time[node] = pe, time
 
 
@@ -227,9 +233,18 @@ def exchange(task: Task, places: Places, motion: Motion) -> None:
     """Make the move; a second time: take it back."""
     for at in range(motion.listed[NODES]):
         enter(task.nodes, task.array, places, motion.nodes[at], -1)
-    swap(places, motion)
+    swap(task, places, motion)
     for at in range(motion.listed[NODES]):
         enter(task.nodes, task.array, places, motion.nodes[at], 1)
+
+
+@inlined
+def excess_of_all(task: Task, places: Places, motion: Motion) -> int:
+    """Claims beyond capacity where the nodes that move are: no fewer than go when they leave."""
+    over = 0
+    for at in range(motion.listed[NODES]):
+        over += excess(task.nodes, task.array, places, motion.nodes[at])
+    return over
 
 
 @inlined

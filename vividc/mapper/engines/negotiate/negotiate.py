@@ -18,7 +18,7 @@ from vividc.mapper.engines.negotiate.arrays import Ints2, Task, build_task
 from vividc.mapper.engines.negotiate.frame import Frame, loose_frame
 from vividc.mapper.engines.negotiate.lockstep import Steps, first_result
 from vividc.mapper.engines.negotiate.motion import new_motion
-from vividc.mapper.engines.negotiate.places import broken, enter, new_places
+from vividc.mapper.engines.negotiate.places import broken, enter, lie, new_places
 from vividc.mapper.engines.negotiate.repair import new_undo, repair
 from vividc.mapper.engines.negotiate.traffic import (
     DIRECT,
@@ -124,8 +124,8 @@ class Negotiation:
         nodes = self.task.nodes
         for node, name in enumerate(self.ids):
             first, end = nodes.pe_begin[node], nodes.pe_begin[node + 1]
-            self.places.pe[node] = nodes.pe_items[first + node % (end - first)]
-            self.places.time[node] = start[name]
+            pe = int(nodes.pe_items[first + node % (end - first)])
+            lie(self.places, self.ii, node, pe, start[name])
             enter(nodes, self.task.array, self.places, node, 1)
 
     def run(self, effort: Effort, deadline: Deadline) -> Steps[Mapping | None]:
@@ -241,9 +241,8 @@ class Negotiation:
         return (yield from self._repaired_anew(share, tuning.REPAIR_HEATS, deadline, trades=True))
 
     def _state(self) -> tuple[Ints | Ints2, ...]:
-        """What moves change of where nodes are."""
-        at = self.places
-        return (at.pe, at.time, at.counts, at.over, at.at, at.held, at.stored)
+        """What moves change of where nodes are; what is drawn next goes on."""
+        return tuple(part for part in self.places if part is not self.places.random)
 
     def _repaired_anew(
         self,

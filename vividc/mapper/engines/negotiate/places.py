@@ -23,14 +23,15 @@ from vividc.mapper.resources.mrrg import Ints
 
 
 class Places(NamedTuple):
-    """The state: `pe` and `time` of each node; `counts` of claims: issue, completion and live-out
-    slots by PE, then banks and controller by slot; `over`: claims beyond capacity, one int64;
-    `at`: a node that issues in a slot, or -1; `held` and `stored`: uses of constant-store entries
-    by PE; `random`: one int64.
+    """The state: `pe` and `time` of each node, and its `slot`, the time modulo II; `counts` of
+    claims: issue, completion and live-out slots by PE, then banks and controller by slot; `over`:
+    claims beyond capacity, one int64; `at`: a node that issues in a slot, or -1; `held` and
+    `stored`: uses of constant-store entries by PE; `random`: one int64.
     """
 
     pe: Ints
     time: Ints
+    slot: Ints
     counts: Ints
     over: Ints
     at: Ints
@@ -46,6 +47,7 @@ def new_places(task: Task, seed: int) -> Places:
     return Places(
         np.full(count, -1, dtype=np.int64),
         np.zeros(count, dtype=np.int64),
+        np.zeros(count, dtype=np.int64),
         np.zeros(3 * grid + 2 * array.ii, dtype=np.int64),
         np.zeros(1, dtype=np.int64),
         np.full(grid, -1, dtype=np.int64),
@@ -59,7 +61,7 @@ def new_places(task: Task, seed: int) -> Places:
 def draw(random: Ints, below: int) -> int:
     """The next number of a 64-bit linear congruential generator (Knuth), in 0 .. below - 1."""
     random[0] = random[0] * 6364136223846793005 + 1442695040888963407
-    return int((random[0] >> 33) & 0x3FFFFFFF) % below
+    return int((((random[0] >> 33) & 0x3FFFFFFF) * below) >> 30)
 
 
 @inlined
@@ -70,17 +72,31 @@ def count(places: Places, at: int, by: int, room: int) -> None:
     places.over[0] += max(0, old + by - room) - max(0, old - room)
 
 
+@inlined
+def wrapped(slot: int, ii: int) -> int:
+    """A slot of less than two IIs, in 0 .. `ii` - 1: a division takes ten times as long."""
+    return slot - ii if slot >= ii else slot
+
+
+@inlined
+def lie(places: Places, ii: int, node: int, pe: int, time: int) -> None:
+    """Have `node`, which claims nothing now, be on a PE at a time."""
+    places.pe[node], places.time[node], places.slot[node] = pe, time, time % ii
+
+
 @compiled
 def enter(nodes: Nodes, array: Array, places: Places, node: int, by: int) -> None:
     """Add `by` (1 or -1) to all that `node` claims where it is."""
     ii, grid = array.ii, array.pes * array.ii
     pe = places.pe[node]
-    row, slot = pe * ii, places.time[node] % ii
+    row, slot = pe * ii, places.slot[node]
     kind = nodes.kind[node]
     if kind & FU:
-        done = (places.time[node] + nodes.latency[node] - 1) % ii
-        for cycle in range(nodes.busy[node]):
-            count(places, row + (slot + cycle) % ii, by, 1)
+        done = wrapped(slot + nodes.done[node], ii)
+        at = slot
+        for _ in range(nodes.busy[node]):
+            count(places, row + at, by, 1)
+            at = wrapped(at + 1, ii)
         count(places, grid + row + done, by, 1)
         if by > 0:
             places.at[row + slot] = node
@@ -111,16 +127,18 @@ def excess(nodes: Nodes, array: Array, places: Places, node: int) -> int:
     """Claims beyond capacity in the slots and the store that `node`, entered, claims."""
     ii, grid = array.ii, array.pes * array.ii
     pe = places.pe[node]
-    row, slot = pe * ii, places.time[node] % ii
+    row, slot = pe * ii, places.slot[node]
     kind = nodes.kind[node]
     over = max(0, places.stored[pe] - array.room[pe])
     if array.rivals:
         over += _rivals(nodes, places, node)
     if kind & FU:
-        done = (places.time[node] + nodes.latency[node] - 1) % ii
+        done = wrapped(slot + nodes.done[node], ii)
         over += places.counts[grid + row + done] - 1
-        for cycle in range(nodes.busy[node]):
-            over += places.counts[row + (slot + cycle) % ii] - 1
+        at = slot
+        for _ in range(nodes.busy[node]):
+            over += places.counts[row + at] - 1
+            at = wrapped(at + 1, ii)
         if kind & MEMORY:
             over += max(0, places.counts[3 * grid + slot] - array.banks)
         if kind & CONTROL:

@@ -16,7 +16,7 @@ from vividc.mapper.engines.negotiate.anneal import Heat, propose
 from vividc.mapper.engines.negotiate.arrays import Ints2, Ints3, Task
 from vividc.mapper.engines.negotiate.compiled import compiled, inlined
 from vividc.mapper.engines.negotiate.motion import occupant
-from vividc.mapper.engines.negotiate.places import Places, draw, early, enter, excess
+from vividc.mapper.engines.negotiate.places import Places, draw, early, enter, excess, lie
 from vividc.mapper.engines.negotiate.traffic import (
     OVER,
     WIRE,
@@ -171,8 +171,8 @@ def _shift(
     enter(nodes, array, places, node, -1)
     if other >= 0:
         enter(nodes, array, places, other, -1)
-        places.pe[other], places.time[other] = other_pe, other_time
-    places.pe[node], places.time[node] = pe, time
+        lie(places, array.ii, other, other_pe, other_time)
+    lie(places, array.ii, node, pe, time)
     enter(nodes, array, places, node, 1)
     if other >= 0:
         enter(nodes, array, places, other, 1)
