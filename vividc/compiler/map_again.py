@@ -35,7 +35,7 @@ from vividc.mapper.engines.negotiate import (
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.resources.banks import NO_MEETINGS, Meetings, Traffic, Words, words_of
 from vividc.mapper.resources.plain_core import named_anew, unrotated
-from vividc.program.encoder.banks import choose_layout
+from vividc.program.encoder.banks import TRIES, choose_layout
 from vividc.program.encoder.checks import span_of
 
 _PAYS: Final = 0.02
@@ -114,7 +114,7 @@ def layout_for(
     kernel: Kernel, fabric: Fabric, results: ReadOnly[int, MapResult], runs: Runs
 ) -> Words:
     """Where arrays would start and how far apart their rows would lie for mapped loops alone."""
-    return _Loops(kernel, fabric, runs).known(results)
+    return _Loops(kernel, fabric, runs).known(results, TRIES)
 
 
 def _with_fewer_stalls(
@@ -218,10 +218,12 @@ class _Loops:
         dfg, weight = self.kernel.regions[index].dfg, self.runs.iterations[index]
         return Traffic.of(dfg, self.fabric.scratchpad, mapping.ii, times, weight)
 
-    def known(self, results: ReadOnly[int, MapResult]) -> Words:
-        """Where arrays start and how far apart their rows lie, as is best for these mappings."""
+    def known(self, results: ReadOnly[int, MapResult], tries: int = 1) -> Words:
+        """Where arrays start and how far apart their rows lie, as is best for these mappings;
+        of many it is asked for, and so it is sought but once.
+        """
         traffic = [self.traffic(index, _mapping(result)) for index, result in results.items()]
-        pitches, starts = choose_layout(self.kernel, traffic)
+        pitches, starts = choose_layout(self.kernel, traffic, tries)
         return words_of(starts, pitches)
 
     def known_if_open(self, results: ReadOnly[int, MapResult]) -> Words:

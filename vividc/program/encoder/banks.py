@@ -9,14 +9,18 @@ apart, and the start of the arrays decides it.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Final
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.regions import Kernel
 from vividc.mapper.mapping import Mapping as RegionMapping
 from vividc.mapper.resources.banks import Traffic, best_layout
 
-_LOOP = 16.0
+_LOOP: Final = 16.0
 """Iterations of a loop for each run of straight code, where nothing is known of either."""
+
+TRIES: Final = 8
+"""Layouts from which the search for the last one begins, while it leaves stalls."""
 
 
 def traffic_of(
@@ -43,11 +47,13 @@ def traffic_of(
 
 
 def choose_layout(
-    kernel: Kernel, traffic: Sequence[Traffic]
+    kernel: Kernel, traffic: Sequence[Traffic], tries: int = TRIES
 ) -> tuple[dict[str, int], dict[str, int]]:
     """How far apart the rows of each spaced matrix should lie, in words modulo the banks, and the
-    start bank of each array parameter and each array of the kernel's own, by name.
+    start bank of each array parameter and each array of the kernel's own, by name; `tries`: from
+    how many layouts the search begins.
     """
     spaced = [param.name for param in kernel.params if param.name in kernel.spaced]
     arrays = [param.name for param in kernel.params if param.ndim]
-    return best_layout(traffic, spaced, [*arrays, *(local.name for local in kernel.locals)])
+    own = [local.name for local in kernel.locals]
+    return best_layout(traffic, spaced, [*arrays, *own], tries)
