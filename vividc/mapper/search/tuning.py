@@ -189,7 +189,8 @@ PATIENCES: Final = {
 16 got a better mapping after their first, near the bound after 2.4 s of effort at most
 (block_depths, 22 to 21), else after 3.0 (solve_unit_lower; a loop of heat-3d, of 28 operations, in
 its share of 8 s but not of 5); with half of its patience near the bound half of all effort came
-after the last one. Proofs: 1 of 14 came to one, in 0.9 s, none in half a second.
+after the last one. That was when a move of the annealer was charged 0.3 us; 6 s are as many moves
+of 0.2 us as 9 s were. Proofs: 1 of 14 came to one, in 0.9 s, none in half a second.
 """
 PROVED_GRAPH: Final = 150
 """Operations from which on, unless it is to prove, the bound is not refuted by a schedule without

@@ -37,8 +37,7 @@ def wide_counter(function: Function, loop: Loop) -> WideCounter | None:
     branch = function.by_name[loop.header].branch
     if branch.target not in loop.blocks or branch.otherwise in loop.blocks:
         return None
-    words = None if not isinstance(branch.cond, Ref) else _less(function, branch.cond)
-    if words is None or not isinstance(branch.cond, Ref):
+    if not isinstance(branch.cond, Ref) or (words := _less(function, branch.cond)) is None:
         return None
     (low, high), limit = words
     phi = definition_of(function, low)

@@ -74,7 +74,7 @@ def count(places: Places, at: int, by: int, room: int) -> None:
 
 @inlined
 def wrapped(slot: int, ii: int) -> int:
-    """A slot of less than two IIs, in 0 .. `ii` - 1: a division takes ten times as long."""
+    """A slot of less than two IIs, in 0 .. `ii` - 1, without a division."""
     return slot - ii if slot >= ii else slot
 
 
