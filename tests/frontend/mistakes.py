@@ -203,22 +203,32 @@ def huge_element(x, n):
 
 @mistake("kept for the next iteration", "before the loop")
 def array_kept(x, n):
-    previous = np.zeros(4, np.float32)
+    a, b, c = x + 1, x + 2, x + 3
+    d, e, f = x + 4, x + 5, x + 6
     for i in range(n):
-        current = np.zeros(4, np.float32)  # here
-        current[0] = previous[0] + x[i]
-        previous = current
-    x[0] = previous[0]
+        if x[i] > 0:
+            a, b = b, a
+        elif x[i] > 1:
+            b, c, d = c, d, b
+        else:
+            e, f, a = a, e, f  # here: any
+            b = x * 2  # here
+    x[0] = a[0] + b[0] + c[0] + d[0] + e[0] + f[0]
 
 
 @mistake("different arrays, chosen by a condition", "in each branch")
 def array_chosen(x, n):
-    a = np.ones(4, np.float32)
-    b = np.zeros(4, np.float32)
-    c = a if n > 2 else b  # here: any
-    for i in range(4):
-        c[i] += x[i]
-    x[0] = a[0] + b[0]
+    a, b, c = np.ones(4, np.float32), np.ones(4, np.float32), np.ones(4, np.float32)
+    d, e, f = np.ones(4, np.float32), np.ones(4, np.float32), np.ones(4, np.float32)
+    for i in range(n):
+        if x[i] > 0:
+            a, b = b, a  # here: any
+        elif x[i] > 1:
+            b, c, d = c, d, b
+        else:
+            e, f, a = a, e, f
+        a[0] += x[i]
+    x[0] = a[0] + b[0] + c[0] + d[0] + e[0] + f[0]
 
 
 @mistake("holds 0.333.*, which is not a float32", r"astype\(np.float32\)")

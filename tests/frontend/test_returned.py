@@ -70,14 +70,6 @@ def some(x, n):
     return found[:count]
 
 
-def last_of_a_loop(x, n):
-    row = np.zeros(2, np.float32)
-    for i in range(n):
-        row = np.zeros(2, np.float32)
-        row[0] = x[i]
-    return row
-
-
 def same_twice(x, n):
     made = x.copy()
     return made, made[1:]
@@ -193,11 +185,6 @@ def test_a_damaged_type_lies_outside_its_memory(is_scalar: bool) -> None:
             results = Results((replace(leaf, offset=(8,)),), made=made)
             with pytest.raises(SimulationError, match="outside its memory"):
                 results.value({"x": np.zeros(size, np.int32)}, {})
-
-
-def test_which_array_is_returned_is_known_where_the_kernel_ends() -> None:
-    with pytest.raises(KernelError, match="returns one of several arrays, and which one"):
-        vividc.kernel("(float32[::1], int32)")(last_of_a_loop).lower()
 
 
 def test_all_tiles_fill_a_returned_array() -> None:

@@ -4,10 +4,11 @@ views under names of their own, arrays that swap their names.
 
 from __future__ import annotations
 
+from math import prod
 from typing import Protocol
 
 from tests.fuzz.integers import integer, narrowed_text
-from tests.fuzz.places import Array
+from tests.fuzz.places import Array, most
 from tests.fuzz.values import TYPES
 from tests.fuzz.views import View, part
 from tests.fuzz.wholes import Arrays, Elements, whole_condition, whole_integers, whole_reals
@@ -142,9 +143,9 @@ def _sort(at: Block) -> str | None:
 
 
 def _swap_names(at: Block) -> str | None:
-    """Outside of loops and branches only: elsewhere one access would be to different arrays."""
-    if at.places.counters or at.branches:
-        return None
+    """In loops and branches, too: then control flow is copied for each array that a name may be."""
+    if (at.places.counters or at.branches) and at.random.random() < 0.5:
+        return _name_another(at)
     pairs = [
         (one.name, other.name)
         for one in at.arrays
@@ -157,6 +158,28 @@ def _swap_names(at: Block) -> str | None:
         return None
     one, other = at.random.choice(pairs)
     return f"{one}, {other} = {other}, {one}"
+
+
+def _name_another(at: Block) -> str | None:
+    """A name that is one array in one iteration, and a new one in the next."""
+    arrays = [
+        array
+        for array in at.arrays
+        if array.name not in at.inexact
+        and array.name.startswith("x")
+        and array.dtype in ("int32", "float32")
+        and at.places.trips() * prod(map(most, array.dims)) <= MOST_ELEMENTS
+    ]
+    if not arrays:
+        return None
+    array = at.random.choice(arrays)
+    name, scalar = array.name, f"np.int32({at.scalar()})" if array.dtype == "int32" else "z"
+    texts = [
+        f"{name}.copy()",
+        f"{name} {at.random.choice('+-*')} {scalar}",
+        f"np.zeros_like({name})",
+    ]
+    return f"{name} = {at.random.choice(texts)}"
 
 
 def _name_view(at: Block, indent: int) -> str | None:

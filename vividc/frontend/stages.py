@@ -18,7 +18,6 @@ from vividc.frontend.memory.null_choices import drop_null_choices
 from vividc.frontend.memory.overlap import fold_overlaps
 from vividc.frontend.memory.resolve import resolve_memory
 from vividc.frontend.memory.results import hold_results
-from vividc.frontend.memory.split_returns import split_returns
 from vividc.frontend.memory.subword import extend_loads, store_low_bits
 from vividc.frontend.memory.traps import trap_raises
 from vividc.frontend.narrow.floor_division import recover_divisions, sign_quotients
@@ -120,7 +119,6 @@ RESOLVING: Final[tuple[Callable[[Pointers], Pointers], ...]] = (
     _on_function(remove_unreachable_blocks),
     _on_function(recover_divisions),
     _on_function(fold_overlaps),
-    _on_function(split_returns),
     find_arrays,
     _on_function(refuse_endless),
     _on_function(drop_null_choices),

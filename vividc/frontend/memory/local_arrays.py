@@ -17,14 +17,16 @@ import numpy as np
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.advice import Advice
 from vividc.frontend.llvm.calls import ALLOCATE, COPY
+from vividc.frontend.memory.by_array import is_allocation
 from vividc.frontend.memory.pick import expand_picks
+from vividc.frontend.memory.places import placed
 from vividc.frontend.memory.tables import PACKED_BYTES, Table, packed_words_of, tables_of, words_of
 from vividc.frontend.ranges.launch_sizes import LaunchSizes
 from vividc.lang.numba_words import plain
 from vividc.machine.params import Formula, LocalArray
-from vividc.ssa.edit import FreshIds, map_values, read_values, substitute
+from vividc.ssa.edit import FreshIds, map_values, read_values
 from vividc.ssa.flow import flow_of
-from vividc.ssa.ir import Float, Function, Global, Input, Instr, Int, Key, Named, Phi, Ref, Value
+from vividc.ssa.ir import Float, Function, Global, Input, Instr, Int, Named, Ref, Value
 from vividc.ssa.rewrite.dead import remove_unused
 
 _ELEMENTS = {"float32": "float", "int32": "i32", "uint32": "i32", "bool": "i8"}
@@ -98,8 +100,8 @@ def own_arrays(function: Function, text: str, *, packed: bool = False) -> WithAr
     Raises
     ------
     KernelError
-        An allocation of variable size, of elements that are no words, or of an array that outlives
-        the iteration that made it; a constant that does not fit a word.
+        An allocation of variable size, of elements that are no words, or of arrays that too much
+        code would choose from; a constant that does not fit a word.
     """
     function, tables = expand_picks(function, tables_of(text))
     function, allocated = _hold_allocations(function)
@@ -110,38 +112,27 @@ def own_arrays(function: Function, text: str, *, packed: bool = False) -> WithAr
 
 
 def _hold_allocations(function: Function) -> tuple[Function, list[OwnArray]]:
-    held: list[OwnArray] = []
-    known: dict[int, Value] = {}
+    made = _allocations(function)
+    found = placed(function, {id_: held.array for id_, held in made.items()})
+    return found.function, [replace(made[id_], array=array) for array, id_ in found.places]
+
+
+def _allocations(function: Function) -> dict[int, OwnArray]:
+    """What each allocation of the kernel makes."""
+    made: dict[int, OwnArray] = {}
     sizes: LaunchSizes | None = None
-    loops = flow_of(function).loops if _allocates(function) else {}
     for block in function.blocks:
-        for op in block.instrs:
-            if _is_allocation(op):
-                _refuse_kept(function, block.name, op)
-                formula: Formula | None = None
-                if not isinstance(op.operands[0], Int):
-                    sizes = sizes or LaunchSizes(function)
-                    formula = sizes.bound(op.operands[0], block.name)
-                made = _allocated(function, op, formula, len(held))
-                heads = (function.by_name[h] for h, body in loops.items() if block.name in body)
-                around = tuple(h.branch.loc for h in heads if h.branch.loc is not None)
-                held.append(replace(made, array=replace(made.array, loops=around)))
-                known[op.id] = Input(f"&{held[-1].array.name}")
-    if not held:
-        return function, held
-    blocks = tuple(
-        replace(block, instrs=tuple(op for op in block.instrs if not _is_allocation(op)))
-        for block in function.blocks
-    )
-    return substitute(replace(function, blocks=blocks), known), held
-
-
-def _allocates(function: Function) -> bool:
-    return any(_is_allocation(op) for block in function.blocks for op in block.instrs)
-
-
-def _is_allocation(op: Instr) -> bool:
-    return op.op == "call" and op.pred.startswith(ALLOCATE)
+        for op in filter(is_allocation, block.instrs):
+            formula: Formula | None = None
+            if not isinstance(op.operands[0], Int):
+                sizes = sizes or LaunchSizes(function)
+                formula = sizes.bound(op.operands[0], block.name)
+            held = _allocated(function, op, formula, len(made))
+            loops = flow_of(function).loops.items()
+            heads = (function.by_name[head] for head, body in loops if block.name in body)
+            around = tuple(head.branch.loc for head in heads if head.branch.loc is not None)
+            made[op.id] = replace(held, array=replace(held.array, loops=around))
+    return made
 
 
 def _allocated(function: Function, op: Instr, formula: Formula | None, number: int) -> OwnArray:
@@ -176,35 +167,6 @@ def _copied_element(function: Function, copy: Instr) -> str | None:
             if op.op == "getelementptr" and op.operands[0] == Ref(copy.id) and element in _BYTES:
                 return element
     return None
-
-
-def _refuse_kept(function: Function, home: str, op: Instr) -> None:
-    """Each iteration's array has the same place, so none may be read in the next iteration."""
-    aliases: set[Key] = {op.id}
-    pointers = [d for d in function.definitions.values() if d.type == "ptr"]
-    grown = True
-    while grown:
-        grown = False
-        for definition in pointers:
-            if definition.id not in aliases and aliases & _pointers_of(definition):
-                aliases.add(definition.id)
-                grown = True
-    for header, body in flow_of(function).loops.items():
-        if home in body and any(phi.id in aliases for phi in function.by_name[header].phis):
-            raise KernelError(
-                "an array made in a loop is kept for the next iteration",
-                loc=op.loc,
-                hint="make both arrays before the loop, and copy elements",
-            )
-
-
-def _pointers_of(definition: Instr | Phi) -> set[Key]:
-    operands: tuple[Value, ...] = (
-        tuple(value for _, value in definition.incoming)
-        if isinstance(definition, Phi)
-        else definition.operands
-    )
-    return {operand.key for operand in operands if isinstance(operand, Named)}
 
 
 def _hold_tables(

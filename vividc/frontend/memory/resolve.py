@@ -12,9 +12,10 @@ from dataclasses import dataclass, replace
 
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.advice import Advice
+from vividc.frontend.memory.by_array import apart, choices_of, merges, mixed_choices, related
 from vividc.frontend.memory.local_arrays import OwnArray, as_words, in_words, wide_access
+from vividc.frontend.memory.places import is_returned_array
 from vividc.frontend.memory.pointer_math import compare_pointers, differences, without_freezes
-from vividc.frontend.memory.split_returns import is_returned_array
 from vividc.frontend.memory.unmerge import split_merged_loads
 from vividc.host import time_limit
 from vividc.ssa.edit import FreshIds
@@ -50,7 +51,15 @@ def resolve_memory(function: Function, own: dict[str, OwnArray] | None = None) -
         A pointer does not come from an array parameter.
     """
     function = remove_unused(split_merged_loads(without_freezes(function)))
-    return _Resolver(function, own or {}).run()
+    mixed = mixed_choices(function)
+    told = apart(function, related(function, mixed)) if mixed else function
+    if told is None:
+        raise KernelError(
+            "one access to different arrays, chosen by a condition",
+            loc=mixed[0].loc,
+            hint="write an `if` with an access in each branch",
+        )
+    return _Resolver(remove_unused(told), own or {}).run()
 
 
 class _Resolver:
@@ -74,23 +83,16 @@ class _Resolver:
 
     def _find_arrays_of_merges(self) -> None:
         """Arrays of pointer phis and selects: a fixpoint, since phis may depend on each other."""
-        merges = [d for d in self._definitions.values() if _merged(d)]
+        found = list(merges(self._function))
         changed = True
         while changed:
             changed = False
-            for merge in merges:
-                roots = [self._root(pointer) for pointer in _merged(merge)]
+            for merge in found:
+                roots = [self._root(pointer) for pointer in choices_of(merge)]
                 known = next((root for root in roots if root), "")
                 if known and merge.id not in self._arrays:
                     self._arrays[merge.id] = known
                     changed = True
-        for merge in merges:
-            if len({self._root(pointer) for pointer in _merged(merge)}) > 1:
-                raise KernelError(
-                    "one access to different arrays, chosen by a condition",
-                    loc=merge.loc,
-                    hint="write an `if` with an access in each branch",
-                )
 
     def _root(self, pointer: Value) -> str:
         while isinstance(pointer, Named) and pointer.key not in self._arrays:
@@ -234,7 +236,7 @@ class _Resolver:
         definition = self._definitions.get(pointer.key)
         if definition is None:
             return _Address(self._arrays[pointer.key])
-        if _merged(definition):
+        if choices_of(definition):
             return _Address(self._arrays[pointer.key], ((self._bytes_of(pointer.key), 1),))
         if (
             not isinstance(definition, Instr)
@@ -243,15 +245,6 @@ class _Resolver:
         ):
             raise KernelError("a pointer that is not an array parameter", loc=loc, hint=_LOCAL_HINT)
         return _extend(self._address(definition.operands[0], loc), definition)
-
-
-def _merged(definition: Instr | Phi | None) -> tuple[Value, ...]:
-    """The pointers that a pointer phi or select chooses from."""
-    if definition is None or definition.type != "ptr":
-        return ()
-    if isinstance(definition, Phi):
-        return tuple(value for _, value in definition.incoming)
-    return definition.operands[1:] if definition.op == "select" else ()
 
 
 def _extend(base: _Address, gep: Instr) -> _Address:

@@ -8,6 +8,7 @@ loop's counter its start or its limit.
 
 from __future__ import annotations
 
+from vividc.frontend.ranges.assumed import assumed, no_more
 from vividc.frontend.ranges.formulas import shortened
 from vividc.frontend.ranges.interval import Interval
 from vividc.frontend.ranges.ranges import Ranges
@@ -37,6 +38,9 @@ _SHORT = 24
 """A formula of more items is made shorter: one for the shape of a broadcast has each of its arrays.
 """
 
+_Asked = tuple[Key, str, bool, frozenset[int]]
+"""A value, where, whether it is signed, and the phis that are assumed to have a bound."""
+
 
 class LaunchSizes:
     """Upper bounds of a function's integers."""
@@ -49,8 +53,9 @@ class LaunchSizes:
         }
         self._ranges = Ranges(function, bounds)
         self._loops = self._ranges.flow.loops
-        self._bounds: dict[tuple[Key, str, bool], Formula] = {}
-        self._unbounded: dict[tuple[Key, str, bool], int] = {}
+        self._assumed: frozenset[int] = frozenset()
+        self._bounds: dict[_Asked, Formula] = {}
+        self._unbounded: dict[_Asked, int] = {}
         self._counters = {
             phi.id: name for name in self._loops for phi in function.by_name[name].phis
         }
@@ -64,7 +69,7 @@ class LaunchSizes:
         """As `bound`, found once: neither what has a bound nor what had none, looked at as deep."""
         if not isinstance(operand, Ref):
             return self._known(operand, block, signed, depth)
-        key = operand.key, block, signed
+        key = operand.key, block, signed, self._assumed
         if key not in self._bounds and self._unbounded.get(key, -1) < depth:
             formula = self._known(operand, block, signed, depth)
             if formula is None:
@@ -167,6 +172,8 @@ class LaunchSizes:
 
     def _counter(self, phi: Phi, depth: int) -> Formula | None:
         """A loop's counter: its start or, if it grows, the limit that its header tests."""
+        if phi.id in self._assumed:
+            return (assumed(phi.id),)
         header = self._counters[phi.id]
         body = self._loops[header]
         steps = [self._step(phi, value) for pred, value in phi.incoming if pred in body]
@@ -176,7 +183,7 @@ class LaunchSizes:
         if first is None:
             return None
         if len(known) < len(steps):
-            return self._climbing(phi, first, depth)
+            return self._climbing(phi, first, depth) or self._not_growing(phi, first, depth)
         if max(known) <= 0:
             is_word = self._ranges.at(Ref(phi.id), header)[0] >= -_LARGEST
             return first if is_word else None
@@ -197,6 +204,25 @@ class LaunchSizes:
         if runs is None or len(known) < len(rises) or not 0 <= max(known) <= _FEW:
             return None
         return (*first, *runs, 0, "max", max(known), "*", "+")
+
+    def _not_growing(self, phi: Phi, first: Formula, depth: int) -> Formula | None:
+        """What an iteration hands on to the next one, such as how long an array is that it selects
+        from one of the iteration before: by induction, its start or what else it may be.
+        """
+        body = self._loops[self._counters[phi.id]]
+        before, bound = self._assumed, first
+        self._assumed = before | {phi.id}
+        try:
+            for pred, value in phi.incoming:
+                if pred in body:
+                    again = self._bound(value, pred, False, depth - 1)
+                    known = None if again is None else no_more(again, assumed(phi.id))
+                    if known is None:
+                        return None
+                    bound = (*bound, *known, "max") if known else bound
+        finally:
+            self._assumed = before
+        return bound
 
     def _rise(self, phi: Phi, value: Value, block: str, depth: int) -> int | None:
         """How much more than `phi` a value of the same iteration is at most."""
