@@ -67,7 +67,31 @@ def from_the_end(a, b):
             b[-1 - i, -1 - j] = a[i, j] - a[i, -1]
 
 
-KERNELS = (columns, in_place, sizes_in_arithmetic, by_rows_of_views, flat_and_not, from_the_end)
+@vividc.kernel("void(uint8[:,::1], int16[:,::1])")
+def bytes_to_halves(a, b):
+    for i in range(1, a.shape[0] - 1):
+        for j in range(1, a.shape[1] - 1):
+            b[i, j] = a[i - 1, j] + a[i + 1, j] + 2 * a[i, j] - b[i - 1, j - 1] + a[i, j + 1]
+
+
+@vividc.kernel("void(boolean[:,::1], uint16[:,::1])")
+def flags_and_halves(a, b):
+    for j in range(a.shape[1]):
+        for i in range(a.shape[0] - 1):
+            a[i, j] = a[i + 1, j] ^ (b[i, j] > b[i + 1, j])
+            b[i, j] += 1
+
+
+NARROW = (bytes_to_halves, flags_and_halves)
+KERNELS = (
+    columns,
+    in_place,
+    sizes_in_arithmetic,
+    by_rows_of_views,
+    flat_and_not,
+    from_the_end,
+    *NARROW,
+)
 
 
 @cache
@@ -81,7 +105,8 @@ def compiled(kernel: vividc.KernelFunction) -> Program:
 def wishing(kernel: vividc.KernelFunction, pitch: int) -> Program:
     """The program, with rows so many words apart modulo the banks."""
     program = compiled(kernel)
-    return replace(program, pitches=dict.fromkeys(program.pitches, pitch))
+    a_word = {param.name: param.a_word for param in program.params}
+    return replace(program, pitches={name: pitch * a_word[name] for name in program.pitches})
 
 
 @pytest.fixture(autouse=True)
@@ -94,9 +119,10 @@ def always_spaced(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("kernel", KERNELS, ids=lambda kernel: kernel.name)
 def test_results_are_numbas(kernel: vividc.KernelFunction, pitch: int) -> None:
     program = wishing(kernel, pitch)
+    dtypes = [np.dtype(param.dtype.value) for param in program.params]
     for number, shape in enumerate(SHAPES):
         draw = np.random.default_rng(number)
-        mine = [draw.integers(-99, 99, shape, dtype=np.int32) for _ in range(2)]
+        mine = [draw.integers(-99, 99, shape).astype(dtype) for dtype in dtypes]
         theirs = deepcopy(mine)
         kernel(*theirs)
         for engine in ("reference", "native") if number > 2 else ("native",):
@@ -138,6 +164,7 @@ def test_an_address_that_is_tested_is_of_rows_end_to_end() -> None:
         (by_rows_of_views, {"b"}),
         (flat_and_not, {"b"}),
         (from_the_end, set()),
+        *((kernel, {"a", "b"}) for kernel in NARROW),
     ],
     ids=lambda item: getattr(item, "name", ""),
 )
@@ -156,6 +183,16 @@ def test_rows_lie_as_far_apart_as_the_program_wishes() -> None:
     words = bound.memory[start // 4 : end // 4]
     assert [int(words[27 * row + 2]) for row in range(24)] == a[:, 2].tolist()
     assert not words[24:27].any()
+
+
+def test_rows_of_bytes_are_whole_words_apart_if_they_are_spaced() -> None:
+    a, b = np.arange(12 * 9, dtype=np.uint8).reshape(12, 9), np.zeros((12, 9), np.int16)
+    bound = bind(wishing(bytes_to_halves, 3), (a, b), {})
+    assert bound.pitches == {"a": 12, "b": 22}
+    start, end = bound.extents["a"]
+    assert end - start == 11 * 12 + 9 + 3
+    held = bound.memory[start // 4 : end // 4].view(np.uint8)
+    assert [int(held[12 * row + 2]) for row in range(12)] == a[:, 2].tolist()
 
 
 def test_rows_lie_end_to_end_where_there_is_no_room() -> None:

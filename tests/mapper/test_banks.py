@@ -174,7 +174,7 @@ def test_no_single_pitch_or_start_is_much_better_than_the_chosen(
     regions: list[list[tuple[str, int, int, int]]],
 ) -> None:
     traffic = [rows_of(accesses, 1.0 + number) for number, accesses in enumerate(regions)]
-    pitches, starts = best_layout(traffic, "ab", "abc")
+    pitches, starts = best_layout(traffic, {"a": 1, "b": 1}, "abc")
     least = stalls_of(traffic, starts, pitches)
     others = [stalls_of(traffic, starts | {name: n}, pitches) for name in starts for n in range(4)]
     others += [
@@ -193,7 +193,7 @@ def test_a_search_that_begins_again_finds_layouts_that_no_single_change_leads_to
         ]
         traffic = [rows_of(accesses, 1.0)]
         (pitches, starts), (others, begins) = (
-            best_layout(traffic, "ab", "abc", tries) for tries in (1, 8)
+            best_layout(traffic, {"a": 1, "b": 1}, "abc", tries) for tries in (1, 8)
         )
         once, again = stalls_of(traffic, starts, pitches), stalls_of(traffic, begins, others)
         assert again <= once

@@ -162,10 +162,9 @@ def _store_faults(program: Program) -> Iterator[str]:
         not 0 <= bank < program.fabric.scratchpad.banks for bank in program.banks.values()
     ):
         yield "its memory layout does not fit its parameters"
-    matrices = {param.name for param in program.params if param.ndim == 2}  # noqa: PLR2004
-    if not matrices.issuperset(program.pitches) or any(
-        not 0 <= pitch < program.fabric.scratchpad.banks for pitch in program.pitches.values()
-    ):
+    banks = program.fabric.scratchpad.banks
+    around = {p.name: p.a_word * banks for p in program.params if p.ndim == 2}  # noqa: PLR2004
+    if any(not 0 <= pitch < around.get(name, 0) for name, pitch in program.pitches.items()):
         yield "the pitches of its matrices do not fit its parameters"
     if any(local.words < len(local.contents or ()) for local in program.locals):
         yield "its constant tables are larger than their places"

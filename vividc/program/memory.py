@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from collections.abc import Mapping as ReadOnly
 from itertools import accumulate
+from types import MappingProxyType
 
 from vividc.arch.fabric import Scratchpad
 from vividc.errors import ArgumentError
@@ -23,16 +24,16 @@ def trapped(array: str) -> str | None:
 def pitches_of(
     wishes: ReadOnly[str, int],
     shapes: ReadOnly[str, Sequence[int]],
-    scratchpad: Scratchpad | None = None,
+    around: ReadOnly[str, int] = MappingProxyType({}),
 ) -> dict[str, int]:
-    """Words from one row to the next of each matrix of `wishes`: the least that is as wished modulo
-    the banks; without a scratchpad, what the rows take.
+    """Elements from one row to the next of each matrix of `wishes`: the least that is as wished
+    modulo what all banks hold of it (`around`, in elements); without that, what the rows take.
     """
     columns = {name: shapes[name][1] for name in wishes}
-    if scratchpad is None:
-        return columns
-    banks = scratchpad.banks
-    return {name: n + (wishes[name] - n) % banks for name, n in columns.items()}
+    return {
+        name: n + (wishes[name] - n) % around[name] if name in around else n
+        for name, n in columns.items()
+    }
 
 
 def pitch_words(pitches: ReadOnly[str, int]) -> dict[str, int]:

@@ -70,8 +70,8 @@ class Program:
     banks
         Bank in which each array should start, so that the hot loops' accesses meet in no bank.
     pitches
-        How far apart the rows of a matrix should lie at least, in words modulo the banks; of those
-        whose launch words have a pitch besides their shape.
+        How far apart the rows of a matrix should lie at least, in elements modulo those that all
+        banks hold; of those whose launch words have a pitch besides their shape.
     debug
         What each configuration entry was made from.
     regions

@@ -61,7 +61,8 @@ class Bound:
     locals
         The kernel's own arrays.
     pitches
-        Words from one row to the next, of matrices whose rows lie further apart than they are long.
+        Elements from one row to the next, of matrices whose rows may lie further apart than they
+        are long.
     """
 
     memory: NDArray[np.uint32]
@@ -122,7 +123,11 @@ def _layout(
     """First byte of each array, and the pitches of matrices: as wished if they fit so."""
     pad = program.fabric.scratchpad
     shapes = {name: array.shape for name, array in arrays.items()}
-    for pitches in (pitches_of(program.pitches, shapes, pad), pitches_of(program.pitches, shapes)):
+    around = {param.name: param.a_word * pad.banks for param in program.params}
+    for pitches in (
+        pitches_of(program.pitches, shapes, around),
+        pitches_of(program.pitches, shapes),
+    ):
         sizes = [(name, _words(array, pitches.get(name))) for name, array in arrays.items()]
         sizes += [(local.name, local.words) for local in locals_]
         if sum(words for _, words in sizes) <= pad.words:
@@ -366,10 +371,11 @@ def _words(array: Array, pitch: int | None) -> int:
     """Words of the array in the scratchpad; of a matrix with a pitch, from its first to its last
     element.
     """
-    if pitch is None or not array.size:
-        return -(-_size_bytes(array) // WORD_BYTES)
-    rows, columns = array.shape
-    return int((rows - 1) * pitch + columns)
+    size = _size_bytes(array)
+    if pitch is not None and array.size:
+        rows, columns = array.shape
+        size = ((rows - 1) * pitch + columns) * (size // array.size)
+    return -(-size // WORD_BYTES)
 
 
 def _rows(
@@ -380,7 +386,8 @@ def _rows(
     if pitch is None or not array.size:
         return raw[: _size_bytes(array)]
     rows, columns = array.shape
-    return as_strided(raw, (rows, WORD_BYTES * columns), (WORD_BYTES * pitch, 1))
+    size = _size_bytes(array) // array.size
+    return as_strided(raw, (rows, size * columns), (size * pitch, 1))
 
 
 def _size_bytes(array: Array) -> int:

@@ -41,7 +41,8 @@ def spaced(function: Function, estimator: Estimator, hints: Mapping[str, float])
             ]
             for kind in ("loop", "straight")
         )
-        pitches = best_pitches(loops, matrices)
+        a_word = {param.name: param.a_word for param in function.params}
+        pitches = best_pitches(loops, {matrix: a_word[matrix] for matrix in matrices})
         all_spaced = _stalls(loops, straight, pitches)
         pays = frozenset(
             matrix

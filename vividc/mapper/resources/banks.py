@@ -8,7 +8,7 @@ same ones in every run.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from random import Random
@@ -322,17 +322,19 @@ def _waits(places: _Draws, buckets: int, banks: int) -> _Draws:
     return np.asarray(waits.sum(axis=1))
 
 
-def best_pitches(traffic: Sequence[Traffic], matrices: Iterable[str]) -> dict[str, int]:
-    """How far apart rows should lie, in words modulo the banks, for few stalls: one matrix after
-    the other, the others' as chosen, or any.
+def best_pitches(traffic: Sequence[Traffic], matrices: Mapping[str, int]) -> dict[str, int]:
+    """How far apart rows should lie, in elements modulo those that all banks hold, for few stalls:
+    one matrix after the other, the others' as chosen, or any.
+
+    `matrices`: how many elements of each are a word; rows are whole words apart.
     """
     banks = traffic[0].banks if traffic else 1
     known: dict[str, int] = {}
-    for matrix in matrices:
+    for matrix, a_word in matrices.items():
         word = pitch_of(matrix, 1).key
         touched = [one for one in traffic if one.touches(matrix)]
         least = math.inf
-        for pitch in (n % banks for n in range(1, banks + 1)):
+        for pitch in (a_word * (n % banks) for n in range(1, banks + 1)):
             stalls = sum(one.weight * one.stalls({**known, word: pitch}) for one in touched)
             if stalls < (1.0 - _NOISE) * least:
                 known[word], least = pitch, stalls
@@ -364,11 +366,16 @@ def best_starts(
 
 
 Layout = tuple[dict[str, int], dict[str, int]]
-"""Pitches of matrices, modulo the banks, and the banks in which arrays start."""
+"""Pitches of matrices, in elements modulo those that all banks hold, and the banks in which arrays
+start.
+"""
 
 
 def best_layout(
-    traffic: Sequence[Traffic], matrices: Collection[str], arrays: Sequence[str], tries: int = 1
+    traffic: Sequence[Traffic],
+    matrices: Mapping[str, int],
+    arrays: Sequence[str],
+    tries: int = 1,
 ) -> Layout:
     """Pitches of the matrices as `best_pitches` and starts of the arrays as `best_starts`, each
     then chosen anew as all others are, with all accesses of all regions, until none is better.
@@ -377,15 +384,18 @@ def best_layout(
     of gemm 80 cycles are expected of the first and 24 of a later one.
     """
     pitches = best_pitches(traffic, matrices)
-    best = _improved(traffic, (pitches, best_starts(traffic, arrays, pitches)))
+    best = _improved(traffic, matrices, (pitches, best_starts(traffic, arrays, pitches)))
     least, few = _stalls_with(traffic, best), _FEW * sum(one.weight * one.ii for one in traffic)
     banks = traffic[0].banks if traffic else 1
     for turn in range(1, tries):
         if least <= few:
             break
         draw = Random(turn)
-        drawn = [{name: draw.randrange(banks) for name in part} for part in best]
-        layout = _improved(traffic, (drawn[0], drawn[1]))
+        drawn = (
+            {name: a_word * draw.randrange(banks) for name, a_word in matrices.items()},
+            {name: draw.randrange(banks) for name in best[1]},
+        )
+        layout = _improved(traffic, matrices, drawn)
         stalls = _stalls_with(traffic, layout)
         if stalls < (1.0 - _NOISE) * least:
             best, least = layout, stalls
@@ -398,7 +408,7 @@ def _stalls_with(traffic: Sequence[Traffic], layout: Layout) -> float:
     return sum(one.weight * one.stalls(known) for one in traffic)
 
 
-def _improved(traffic: Sequence[Traffic], layout: Layout) -> Layout:
+def _improved(traffic: Sequence[Traffic], matrices: Mapping[str, int], layout: Layout) -> Layout:
     pitches, starts = (dict(part) for part in layout)
     banks = traffic[0].banks if traffic else 1
     total = sum(one.weight * len(one.accesses) for one in traffic)
@@ -408,7 +418,8 @@ def _improved(traffic: Sequence[Traffic], layout: Layout) -> Layout:
         for name, chosen in [(name, group) for group in (pitches, starts) for name in group]:
             touched = [one for one in busy if one.touches(name)]
             kept, least = chosen[name], math.inf
-            for value in (n % banks for n in range(kept, kept + banks)):
+            step = matrices[name] if chosen is pitches else 1
+            for value in ((kept + step * n) % (step * banks) for n in range(banks)):
                 chosen[name] = value
                 known = words_of(starts, pitches)
                 stalls = sum(one.weight * one.stalls(known) for one in touched)

@@ -49,11 +49,11 @@ def traffic_of(
 def choose_layout(
     kernel: Kernel, traffic: Sequence[Traffic], tries: int = TRIES
 ) -> tuple[dict[str, int], dict[str, int]]:
-    """How far apart the rows of each spaced matrix should lie, in words modulo the banks, and the
-    start bank of each array parameter and each array of the kernel's own, by name; `tries`: from
-    how many layouts the search begins.
+    """How far apart the rows of each spaced matrix should lie, in elements modulo those that all
+    banks hold, and the start bank of each array parameter and each array of the kernel's own, by
+    name; `tries`: from how many layouts the search begins.
     """
-    spaced = [param.name for param in kernel.params if param.name in kernel.spaced]
+    spaced = {param.name: param.a_word for param in kernel.params if param.name in kernel.spaced}
     arrays = [param.name for param in kernel.params if param.ndim]
     own = [local.name for local in kernel.locals]
     return best_layout(traffic, spaced, [*arrays, *own], tries)

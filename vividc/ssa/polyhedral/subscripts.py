@@ -88,14 +88,15 @@ def subscripts_of(function: Function) -> Subscripts:
 
 
 def may_be_spaced(function: Function) -> tuple[str, ...]:
-    """Matrices of words whose elements are all accessed by two subscripts, so that their rows may
-    lie further apart than they are long; no address is compared with what it is without that.
+    """Matrices whose elements are all accessed by two subscripts, so that their rows may lie
+    further apart than they are long; no address is compared with what it is without that. None has
+    elements of more than a word.
     """
     found = {
         param.name: None
         for param in function.params
         if param.ndim == 2 and not param.flat and not param.known  # noqa: PLR2004 - rows, columns
-        if param.dtype.size_bytes == WORD_BYTES
+        if param.dtype.size_bytes <= WORD_BYTES
     }
     for item in (item for block in function.blocks for item in block.items):
         if isinstance(item, Phi):
