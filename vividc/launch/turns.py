@@ -4,6 +4,7 @@ while the tile works on another.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -14,7 +15,7 @@ class Turns:
     Parameters
     ----------
     tiles
-        Their numbers: each gets a chunk before any gets its next one.
+        Their numbers, in the order in which they get chunks, again and again.
     places
         Of each tile.
     """
@@ -22,13 +23,15 @@ class Turns:
     def __init__(self, tiles: Sequence[int], places: int = 2) -> None:
         self._tiles, self._places = tiles, places
         self._taken = 0
+        self._turn: Counter[int] = Counter()
         self._freed: dict[tuple[int, int], tuple[int, ...]] = {}
 
     def take(self) -> tuple[int, int, tuple[int, ...]]:
         """Return tile and place of the next chunk, and the steps that free the place."""
-        turn, index = divmod(self._taken, len(self._tiles))
+        tile = self._tiles[self._taken % len(self._tiles)]
         self._taken += 1
-        tile, place = self._tiles[index], turn % self._places
+        place = self._turn[tile] % self._places
+        self._turn[tile] += 1
         return tile, place, self._freed.get((tile, place), ())
 
     def free(self, tile: int, place: int, *steps: int) -> None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import functools
 import os
+from collections.abc import Iterator, Sequence
 from collections.abc import Mapping as ReadOnly
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.arch import Accelerator
-from vividc.errors import ArgumentError
+from vividc.errors import ArgumentError, SimulationError
 from vividc.launch.job import Job
 from vividc.launch.simulate import JobResult
 from vividc.launch.tiles.chunks import (
@@ -26,6 +26,7 @@ from vividc.launch.tiles.chunks import (
     plan_chunks,
     slack,
 )
+from vividc.launch.tiles.dealt import Dealt, costs_of, dealt, probed
 from vividc.launch.turns import Turns
 from vividc.machine.opcodes import Opcode
 from vividc.machine.parallel import WIDE_LOW, Reduction
@@ -33,9 +34,10 @@ from vividc.machine.semantics import evaluate
 from vividc.machine.words import WORD_MASK
 from vividc.program import WORD_BYTES, Program, joined
 from vividc.sim.bind import arguments, returned
+from vividc.sim.engine import Launch
 from vividc.sim.footprint.footprint import chunk_inputs, start_words
 from vividc.sim.run import CYCLE_LIMIT, returned_value
-from vividc.sim.tile import AUTO
+from vividc.sim.tile import AUTO, shared_tile
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,10 +50,15 @@ class SpreadOptions:
         Iterations of a chunk; None: as suits the scratchpads.
     double_buffer
         Slices move into one half of a scratchpad while the tile works on the other.
+    tiles
+        Of so many tiles each gets a chunk before any gets its next one. None: if chunks are as long
+        as suits, a chunk goes to the tile that is predicted to be done with it first, else to all
+        in turn.
     """
 
     chunk: int | None = None
     double_buffer: bool = True
+    tiles: int | None = None
 
 
 def spread(
@@ -84,13 +91,14 @@ def spread(
     sizes |= {name: own[name] for name in sliced}
     cut = Cut(program, inputs, sizes, job.accelerator, options.double_buffer)
     plan = plan_chunks(cut, options.chunk)
-    return _Builder(job, cut, plan, arrays).build()
+    return _Builder(job, cut, plan, arrays).build(options)
 
 
 @dataclass(frozen=True, slots=True)
 class Spread:
     """A spread launch: the job, and the run of each chunk in the order of iterations; `errors`:
-    the word of each chunk that says which exception it raised, if it may.
+    the word of each chunk that says which exception it raised, if it may; `predicted`: cycles, if
+    they were.
     """
 
     job: Job
@@ -100,6 +108,7 @@ class Spread:
     inputs: ReadOnly[str, int]
     arrays: ReadOnly[str, NDArray[np.generic]]
     errors: tuple[NDArray[np.generic], ...] = ()
+    predicted: int | None = None
 
     def simulate(
         self, *, engine: str = AUTO, cycle_limit: int = CYCLE_LIMIT, threads: int | None = None
@@ -161,39 +170,88 @@ class _Builder:
         self._plan = plan
         self._program = cut.program
         self._arrays = arrays
-        self._tiles = tuple(range(min(len(job.accelerator.tiles), len(plan.chunks))))
         self._places: dict[tuple[str, int], int] = {}
         self._free = 0
         self._inputs: dict[str, int] = {**cut.inputs}
         self._extents: dict[str, tuple[int, int]] = {}
-        self._turns = Turns(self._tiles, plan.copies)
         self._error = error_of(cut.program)
         self._errors: list[NDArray[np.generic]] = []
 
-    def build(self) -> Spread:
-        self._job.configure(self._tiles, self._program)
+    def build(self, options: SpreadOptions) -> Spread:
         self._place()
+        deal = self._dealt(options)
+        self._tiles = tuple(sorted(set(deal.tiles)))
+        self._turns = Turns(deal.tiles, self._plan.copies)
+        for tile in self._tiles:  # each begins as soon as it has the program
+            self._job.configure(tile, self._program)
         common = [self._broadcast(name, part) for name, part in self._plan.resident.items()]
-        parallel = self._program.parallel
-        starts = () if parallel is None else start_words(parallel, self._cut.inputs)
         runs = []
         for number, chunk in enumerate(self._plan.chunks):
-            words: dict[str, int] = {}
-            if parallel is not None:
-                words = chunk_inputs(parallel, chunk.first, chunk.last, starts, number == 0)
-                words |= chunk.words
-            runs.append(self._chunk(chunk, words, common))
-        inputs = self._cut.inputs
-        errors = tuple(self._errors)
+            runs.append(self._chunk(chunk, self._words(chunk, number), common))
         return Spread(
-            self._job, self._program, self._plan, tuple(runs), inputs, self._arrays, errors
+            self._job,
+            self._program,
+            self._plan,
+            tuple(runs),
+            self._cut.inputs,
+            self._arrays,
+            tuple(self._errors),
+            deal.cycles or None,
         )
+
+    def _words(self, chunk: Chunk, number: int) -> dict[str, int]:
+        """Launch words of a chunk."""
+        parallel = self._program.parallel
+        if parallel is None:
+            return {}
+        starts = start_words(parallel, self._cut.inputs)
+        words = chunk_inputs(parallel, chunk.first, chunk.last, starts, number == 0)
+        return {**words, **chunk.words}
+
+    def _dealt(self, options: SpreadOptions) -> Dealt:
+        """The tiles of the chunks; no cycles are predicted of tiles in turn."""
+        count = len(self._plan.chunks)
+        tiles = len(self._job.accelerator.tiles)
+        in_turn = Dealt(tuple(n % min(options.tiles or tiles, tiles) for n in range(count)), 0)
+        if options.tiles is not None or options.chunk is not None or count == 1:
+            return in_turn
+        runs = [self._run_cycles(number) for number in probed(self._plan)]
+        if not all(runs):
+            return in_turn
+        words = int(self._program.images_set.sum()) + len(self._program.launch)
+        costs = costs_of(self._cut, self._plan, words, max(runs))
+        return dealt(costs, self._plan.copies, tiles)
+
+    def _run_cycles(self, number: int) -> int:
+        """Cycles of a chunk's run; 0 if it fails."""
+        chunk = self._plan.chunks[number]
+        memory = np.zeros(self._cut.scratchpad.words, np.uint32)
+        inputs, extents = {**self._inputs, **self._words(chunk, number)}, {**self._extents}
+        held = [(name, part, extents[name][0]) for name, part in self._plan.resident.items()]
+        held += self._slices(chunk, 0, inputs, extents)
+        for name, part, address in held:
+            if name in self._arrays:
+                bytes_ = self._view(name, part).view(np.uint8)
+                memory.view(np.uint8)[address : address + len(bytes_)] = bytes_
+        for local in self._program.locals:
+            if local.contents:
+                local.fill(memory, extents[local.name][0])
+        if self._error:
+            place = self._places[self._error, 0]
+            inputs[f"&{self._error}"], extents[self._error] = place, (place, place + WORD_BYTES)
+        launch = Launch(memory, inputs, CYCLE_LIMIT, extents)
+        try:
+            return shared_tile(self._program).run(launch).cycles
+        except SimulationError:
+            return 0
 
     def _place(self) -> None:
         """Resident arrays, the kernel's own, then the slices, once or twice."""
         more = slack(self._cut.scratchpad)
-        for name, (start, end) in self._plan.resident.items():
-            self._places[name, 0] = self._take(end - start + more)
+        for name, part in self._plan.resident.items():
+            self._places[name, 0] = self._take(part[1] - part[0] + more)
+            address = self._address(name, 0, part[0])
+            self._set(self._inputs, self._extents, name, address, part)
         for name, size in self._cut.local_sizes.items():
             address = self._take(size)
             self._inputs[f"&{name}"] = address
@@ -219,10 +277,7 @@ class _Builder:
         return WORD_BYTES * (place + (wish - place) % banks)
 
     def _broadcast(self, name: str, part: Interval) -> int:
-        address = self._address(name, 0, part[0])
-        self._set(self._inputs, self._extents, name, address, part)
-        view = self._view(name, part)
-        return self._job.move_in(self._tiles, view, address)
+        return self._job.move_in(self._tiles, self._view(name, part), self._extents[name][0])
 
     def _set(
         self,
@@ -246,21 +301,12 @@ class _Builder:
         tile, half, before = self._turns.take()
         inputs, extents = {**self._inputs, **words}, {**self._extents}
         moves = list(common)
-        for name in self._cut.sizes:
-            hull = chunk.touches[name].hull
-            if name in self._plan.resident:
-                continue
-            if hull is None:
-                inputs[f"&{name}"], extents[name] = 0, (0, 0)
-                continue
-            start, _ = part = aligned(hull)
-            address = self._address(name, half, start)
-            self._set(inputs, extents, name, address, part)
+        for name, hull, address in self._slices(chunk, half, inputs, extents):
             if name in chunk.overwritten or not self._is_moved(name, chunk):
                 moves += before
                 continue
             view = self._view(name, hull)
-            moves.append(self._job.move_in(tile, view, address + hull[0] - start, after=before))
+            moves.append(self._job.move_in(tile, view, address, after=before))
         stores: dict[str, tuple[int, int]] = {}
         if self._error:
             moves.append(self._own_error(tile, half, before, inputs, extents))
@@ -279,6 +325,24 @@ class _Builder:
         done = [self._moved_out(tile, chunk, name, source, run) for name, source in moved.items()]
         self._turns.free(tile, half, run, *done)
         return run
+
+    def _slices(
+        self, chunk: Chunk, half: int, inputs: dict[str, int], extents: dict[str, tuple[int, int]]
+    ) -> Iterator[tuple[str, Interval, int]]:
+        """Say where the slices of a chunk lie, in `inputs` and `extents`; the name, the bytes of
+        the array, and the address of the first, of each.
+        """
+        for name in self._cut.sizes:
+            hull = chunk.touches[name].hull
+            if name in self._plan.resident:
+                continue
+            if hull is None:
+                inputs[f"&{name}"], extents[name] = 0, (0, 0)
+                continue
+            start, _ = part = aligned(hull)
+            address = self._address(name, half, start)
+            self._set(inputs, extents, name, address, part)
+            yield name, hull, address + hull[0] - start
 
     def _is_moved(self, name: str, chunk: Chunk) -> bool:
         """Whether what a chunk leaves in an array is for others: not in one of the kernel's own;
