@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
+from operator import attrgetter
 from typing import TYPE_CHECKING, Final
 
 from vividc.errors import SourceLoc
@@ -162,6 +163,10 @@ class Edge:
         return self.kind is EdgeKind.DATA
 
 
+_KIND: Final = attrgetter("op", "const", "name")
+_ENDS: Final = attrgetter("src", "dst")
+
+
 @dataclass(frozen=True)
 class DFG:
     """A region's graph. Nodes and edges keep creation order; equality is structural."""
@@ -175,7 +180,10 @@ class DFG:
 
     @cached_property
     def _hash(self) -> int:
-        return hash((self.name, self.nodes, self.edges))
+        # Not of all fields: each node and edge would be asked for its own, which takes four times
+        # as long.
+        nodes, edges = map(_KIND, self.nodes), map(_ENDS, self.edges)
+        return hash((self.name, tuple(nodes), tuple(edges)))
 
     def __repr__(self) -> str:
         return f"<DFG {self.name}: {len(self.nodes)} nodes, {len(self.edges)} edges>"

@@ -28,8 +28,17 @@ def summed(a, n):
         a[0, 0] = n
 
 
-def part() -> tuple[Scop, Relations]:
-    [scop] = parts_of(tidy(summed.lower()))
+@vividc.kernel("void(int32[::1], int32)")
+def between(a, n):
+    """The loop inside needs each word that is stored before it, and changes it."""
+    for i in range(n):
+        a[0] = i
+        for j in range(4):
+            a[j] += n
+
+
+def part(kernel: vividc.KernelFunction = summed) -> tuple[Scop, Relations]:
+    [scop] = parts_of(tidy(kernel.lower()))
     return scop, Relations(scop)
 
 
@@ -83,6 +92,28 @@ def test_a_schedule_that_turns_a_loop_round_is_not_respected() -> None:
     met = relations.accesses_out_of_order(turned.intersect_domain(every))
     assert met is not None
     assert {access.array for access in met} == {"a"}
+
+
+def test_dependences_that_are_left_out_follow_from_others() -> None:
+    """Of a sum into one element, from one iteration to the next: not to every later one."""
+    _, relations = part()
+    few = isl.Set(f"{relations.parameters} -> {{ : {' = '.join((*relations.scop.symbols, '6'))} }}")
+    direct, every = (
+        one.intersect_params(few) for one in (relations.direct({}), relations.dependences)
+    )
+    assert direct.is_strict_subset(every)
+    closure, known = direct, None
+    while known is None or not closure.is_equal(known):
+        known, closure = closure, closure.union(closure.apply_range(direct))
+    assert every.is_subset(closure)
+
+
+def test_what_no_schedule_gives_times_leaves_nothing_out() -> None:
+    """Two iterations are in order for a third one between them only if that one has a time."""
+    scop, relations = part(between)
+    [outer] = [s for s in scop.statements if len(s.dims) == 1 and s.accesses]
+    back = isl.UnionMap(f"{relations.parameters} -> {{ {outer.name}[i] -> [-i] }}")
+    assert not relations.respects(back.intersect_domain(relations.domain(outer)))
 
 
 def test_what_would_take_isl_too_long_is_not_known() -> None:

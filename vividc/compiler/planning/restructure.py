@@ -202,6 +202,8 @@ class _Climb:
     most_operations: int
     are_two: bool = False
     _tried: dict[str, Restructured | None] = field(default_factory=dict)
+    _masked: dict[str, Restructured | None] = field(default_factory=dict)
+    """As `_tried`: what differs in one mask from what was the best form."""
     _loops: dict[str, Loops | Refusal] = field(default_factory=dict)
     _smaller: int = 0
     """So many of the first factors take too many contexts in an order that was tried."""
@@ -270,13 +272,17 @@ class _Climb:
         for path, loop in loops_in(best.tree) if best and not has_skews(best.tree) else ():
             assert best is not None
             tree = self._with(best.tree, {path: loop.factor}, not loop.masked)
-            if loop.factor == 1 or describe(tree) in self._tried:
+            name = describe(tree)
+            if loop.factor == 1 or name in self._tried:
                 continue
-            made = self._made(tree) if is_legal(tree, self.relations) else None
+            if name not in self._masked:
+                is_possible = is_legal(tree, self.relations)
+                self._masked[name] = self._made(tree) if is_possible else None
+            made = self._masked[name]
             if made is None or made.cycles >= _MASKED * best.cycles:
                 continue
             if made.estimate.least < best.estimate.least:
-                best = self._tried[describe(tree)] = made
+                best = self._tried[name] = made
 
     def _with_loads(self, best: Restructured) -> Iterator[Restructured]:
         """A form with loads of what iterations could carry, if that is better: what they carry is

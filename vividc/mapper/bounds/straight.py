@@ -59,7 +59,7 @@ class Heights:
         self._problem = problem
         self._hops = _hops(problem.fabric)
         self._candidates = {n.id: problem.candidates(n) for n in problem.dfg.placed}
-        self._nearest: dict[tuple[int, ...], list[int]] = {}
+        self._ahead: dict[tuple[int, tuple[int, ...]], int | list[int]] = {}
         self.order = _topological(problem)
         self.of: dict[int, int] = {}
         self._after: dict[int, list[int]] = {}
@@ -83,13 +83,16 @@ class Heights:
     def _heights(self, node: int) -> list[int]:
         """Heights of `node` on each PE."""
         fabric = self._problem.fabric
-        heights = [end_after_start(fabric, self._problem.dfg.by_id[node])] * len(fabric.pes)
+        anywhere = end_after_start(fabric, self._problem.dfg.by_id[node])
+        rows: list[list[int]] = []
         for edge in self._problem.dfg.out_edges[node]:
             below, separations = self.of[edge.dst], self._separations(edge)
             if isinstance(separations, int):
-                separations = [separations] * len(heights)
-            heights = [max(h, s + below) for h, s in zip(heights, separations, strict=True)]
-        return heights
+                anywhere = max(anywhere, separations + below)
+            else:
+                rows.append([ahead + below for ahead in separations])
+        everywhere = [anywhere] * len(fabric.pes)
+        return list(map(max, everywhere, *rows)) if rows else everywhere
 
     def _separations(self, edge: Edge) -> int | list[int]:
         """Least start[dst] - start[src], with the producer on each PE if that matters."""
@@ -99,14 +102,12 @@ class Heights:
         latency = fabric.latency(self._problem.dfg.by_id[edge.src])
         if edge.kind is EdgeKind.CONTROL:
             return latency + fabric.controller.control_latency
-        return [latency + max(0, hops - 1) for hops in self._to_nearest(self._candidates[edge.dst])]
-
-    def _to_nearest(self, targets: tuple[int, ...]) -> list[int]:
-        """Hops from each PE to the nearest of `targets`."""
-        if targets not in self._nearest:
-            nearest = [min((row[pe] for pe in targets), default=0) for row in self._hops]
-            self._nearest[targets] = nearest
-        return self._nearest[targets]
+        targets = self._candidates[edge.dst]
+        if (latency, targets) not in self._ahead:
+            nearest = (min((row[pe] for pe in targets), default=0) for row in self._hops)
+            ahead = [latency + max(0, hops - 1) for hops in nearest]
+            self._ahead[latency, targets] = ahead if len(set(ahead)) > 1 else ahead[0]
+        return self._ahead[latency, targets]
 
 
 def _path_bound(problem: MapProblem, heights: Heights) -> Bound:

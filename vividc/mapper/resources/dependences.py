@@ -107,11 +107,11 @@ def positive_cycle(
 ) -> tuple[Dependence, ...]:
     """Edges of a cycle whose separations exceed II times its distance, or () if there is none."""
     start = dict.fromkeys(nodes, 0)
-    rows = _rows(edges)
+    rows = _weighed(_rows(edges), ii)
     into: dict[int, Dependence] = {}
     moved: int | None = None
     for _ in range(len(start) + 1):
-        moved = _relax(start, rows, ii, into)
+        moved = _relax(start, rows, into)
         if moved is None:
             return ()
     return _walk_back(into, moved, len(start)) if moved is not None else ()
@@ -119,6 +119,9 @@ def positive_cycle(
 
 _Row = tuple[int, int, int, int, Dependence]
 """Source, destination, separation and distance of a dependence, and itself."""
+
+_Weighed = tuple[int, int, int, Dependence]
+"""The same at an II: source, destination, and cycles between their starts."""
 
 
 def _rows(edges: Iterable[Dependence]) -> list[_Row]:
@@ -135,8 +138,9 @@ def _longest_paths(
     """
     start = dict.fromkeys(nodes, 0)
     into: dict[int, Dependence] = {}
+    weighed = _weighed(rows, ii)
     for number in range(1, len(start) + 2):
-        moved = _relax(start, rows, ii, into)
+        moved = _relax(start, weighed, into)
         if moved is None:
             return start, ()
         if number & (number - 1) == 0 and (cycle := _cycle_of(into)):
@@ -144,13 +148,15 @@ def _longest_paths(
     return start, _walk_back(into, moved, len(start)) if moved is not None else ()
 
 
-def _relax(
-    start: dict[int, int], rows: list[_Row], ii: int, into: dict[int, Dependence]
-) -> int | None:
+def _weighed(rows: list[_Row], ii: int) -> list[_Weighed]:
+    return [(src, dst, ahead - ii * distance, edge) for src, dst, ahead, distance, edge in rows]
+
+
+def _relax(start: dict[int, int], rows: list[_Weighed], into: dict[int, Dependence]) -> int | None:
     """Move nodes past those they depend on, once for each edge; return the last that moved."""
     moved = None
-    for src, dst, separation, distance, edge in rows:
-        reached = start[src] + separation - ii * distance
+    for src, dst, ahead, edge in rows:
+        reached = start[src] + ahead
         if reached > start[dst]:
             start[dst] = reached
             into[dst] = edge

@@ -126,6 +126,7 @@ class _Counted:
         self.quotients = quotients
         self.dims = {one.name: one.coordinates for one in relations.scop.statements}
         self.counted: dict[tuple[str, str], set[Form]] = {}
+        self._equal: dict[str, bool] = {}
         for run in runs_in(code):
             for dim, form in zip(self.dims[run.statement], run.coordinates, strict=True):
                 for name in form.names:
@@ -174,8 +175,11 @@ class _Counted:
                 known_here[name] = f"{name} = {_rounded(quotient)}"
         taken = ", ".join((*names, *known_here))
         conditions = " and ".join((*known, *known_here.values(), f"({form}) != ({other})"))
-        apart = isl.Set(f"{self.relations.parameters} -> {{ [{taken}] : {conditions} }}")
-        return bool(apart.intersect_params(self.relations.context).is_empty())
+        apart = f"{self.relations.parameters} -> {{ [{taken}] : {conditions} }}"
+        if apart not in self._equal:
+            met = isl.Set(apart).intersect_params(self.relations.context)
+            self._equal[apart] = bool(met.is_empty())
+        return self._equal[apart]
 
 
 def _within(loop: For) -> Iterator[str]:

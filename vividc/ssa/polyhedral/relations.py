@@ -26,6 +26,9 @@ skewed loops are sums of up to four of them, which must not wrap.
 _STRIKES: Final = 2
 """So often may it give up; then no more is asked about other trees of the part."""
 
+_REDUCTION: Final = 2_000_000
+"""Of isl's operations (about 1 s), to find the dependences from which others follow."""
+
 _LONGEST = 1 << 20
 """No dimension of an array is longer."""
 
@@ -46,14 +49,18 @@ class Relations:
     """Sets and relations of one part; statements are named tuples of their coordinates.
 
     `legal`: of orders of loops that were asked for, by name, whether they keep the dependences;
-    `endless`: those for which isl has given up.
+    `endless`: those for which isl has given up; `maps`: what was read of text, which many trees
+    ask for.
     """
 
     scop: Scop
     legal: dict[str, bool] = field(default_factory=dict, compare=False)
     endless: set[str] = field(default_factory=set, compare=False)
+    maps: dict[str, isl.Map] = field(default_factory=dict, compare=False)
     _domains: dict[str, tuple[Statement, isl.Set]] = field(default_factory=dict, compare=False)
     """By name, with the statement: another one may have its name."""
+    _reduced: dict[str, isl.UnionMap] = field(default_factory=dict, compare=False)
+    """By the rows that arrays have."""
 
     @property
     def is_endless(self) -> bool:
@@ -209,6 +216,8 @@ class Relations:
 
     def _apart(self, rows: Mapping[str, Rows]) -> isl.UnionMap:
         """As `dependences`, if arrays have rows."""
+        if not rows:
+            return self.dependences
         result = self._ordered(lambda name: name not in rows)
         for array, one in rows.items():
             row = self.counted(one.over, f"(({{0}}) - ({one.base})) mod {one.factor}")
@@ -219,9 +228,26 @@ class Relations:
 
     def respects(self, schedule: isl.UnionMap, rows: Mapping[str, Rows] | None = None) -> bool:
         """Whether a schedule keeps the order of all dependences, if arrays have rows."""
-        wanted = self._apart(rows) if rows else self.dependences
+        timed = {one.get_tuple_name(isl.dim_type.in_) for one in _maps_of(schedule)}
+        is_whole = len(timed) == len(self.scop.statements)  # else what is between has no time
+        wanted = self.direct(rows or {}) if is_whole else self._apart(rows or {})
         times = wanted.apply_domain(schedule).apply_range(schedule)
         return all(_goes_on(one) for one in _maps_of(times))
+
+    def direct(self, rows: Mapping[str, Rows]) -> isl.UnionMap:
+        """The dependences from which all others follow, as the order of times is transitive: those
+        that no two make up (Aho, Garey and Ullman, "The transitive reduction of a directed graph",
+        1972). Each iteration depends on finitely many, so that nothing is lost. isl tells of half
+        as many relations in half of the time whether a schedule keeps them. All of them, if it
+        takes isl long to find these.
+        """
+        name = str(rows)
+        if name not in self._reduced:
+            wanted = self._apart(rows)
+            self._reduced[name] = wanted
+            with bounded(_REDUCTION):
+                self._reduced[name] = wanted.subtract(wanted.apply_range(wanted)).coalesce()
+        return self._reduced[name]
 
     def accesses_out_of_order(self, schedule: isl.UnionMap) -> tuple[Access, Access] | None:
         """Two accesses that meet and that a schedule runs in another order; None if it does so to

@@ -361,7 +361,10 @@ class Tiles:
         return begin.apply_range(self._map(later)).apply_range(begin.reverse())
 
     def _map(self, text: str) -> isl.Map:
-        return isl.Map(f"{self.relations.parameters} -> {{ {text} }}")
+        known = self.relations.maps
+        if text not in known:
+            known[text] = isl.Map(f"{self.relations.parameters} -> {{ {text} }}")
+        return known[text]
 
     def _to_loops(self, name: str, loops: tuple[Loop, ...]) -> isl.Map:
         image = ", ".join(str(loop.counted(name)) for loop in loops)
