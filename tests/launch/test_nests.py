@@ -252,6 +252,10 @@ def test_rows_at_the_end_of_an_array_keep_their_pitch() -> None:
     assert wish is None or {step.inputs["x.pitch1"] % 8 for step in runs} == {wish}
 
 
+def test_rows_of_less_than_words_have_no_pitch_in_blocks() -> None:
+    assert not any(nest.pitches for nest in program(halves).nests)
+
+
 def test_the_prediction_is_near() -> None:
     args = ints(200, 1024), ints(200, 1024)
     expected = nests_cycles(program(blur), args, {}, "vivid")

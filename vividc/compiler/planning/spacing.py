@@ -19,13 +19,15 @@ PAYS = 0.005
 
 def spaced(function: Function, estimator: Estimator, hints: Mapping[str, float]) -> Function:
     """The same prepared function, with the matrices spaced for which it is expected to pay, or all
-    that may be, as the estimator says.
+    of words that may be (blocks of a nest have rows of words), as the estimator says.
     """
     matrices = may_be_spaced(function) if estimator.spaces != "none" else ()
+    a_word = {param.name: param.a_word for param in function.params}
+    if estimator.spaces == "all":
+        words = frozenset(matrix for matrix in matrices if a_word[matrix] == 1)
+        return replace(function, spaced=words) if words else function
     if not matrices:
         return function
-    if estimator.spaces == "all":
-        return replace(function, spaced=frozenset(matrices))
     with watch.aside():
         made = replace(function, spaced=frozenset(matrices))
         kernel = estimator.built(made)
@@ -41,7 +43,6 @@ def spaced(function: Function, estimator: Estimator, hints: Mapping[str, float])
             ]
             for kind in ("loop", "straight")
         )
-        a_word = {param.name: param.a_word for param in function.params}
         pitches = best_pitches(loops, {matrix: a_word[matrix] for matrix in matrices})
         all_spaced = _stalls(loops, straight, pitches)
         pays = frozenset(
