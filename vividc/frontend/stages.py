@@ -24,6 +24,7 @@ from vividc.frontend.narrow.floor_division import recover_divisions, sign_quotie
 from vividc.frontend.narrow.narrow import refuse_calls
 from vividc.frontend.narrow.single_trip import straighten_single_trips
 from vividc.frontend.ranges.fold import fold_by_ranges, recover_extensions
+from vividc.frontend.ranges.limits import clamp_limits
 from vividc.host import time_limit
 from vividc.host.watch import run_passes
 from vividc.ssa.ir import Function
@@ -135,6 +136,7 @@ SIMPLIFYING: Final[tuple[Callable[[Function], Function], ...]] = (
     load_flags,
     extend_loads,
     store_low_bits,
+    clamp_limits,
     fold_by_ranges,
     sign_quotients,
 )
