@@ -108,3 +108,14 @@ def test_a_number_needs_operations_to_be_written() -> None:
             [integer(number) for _ in range(3)]
     finally:
         context.set_max_operations(0)
+
+
+def test_conditions_that_would_make_too_many_pieces_are_left_out() -> None:
+    """Each of ten numbers that differ would double the pieces, and any order of them does."""
+    tests = [
+        f'b{n}:\n  %{n} pred = icmp.ne $"n", $"m{n}"\n  branch %{n} b{n + 1} else b10\n'
+        for n in range(9)
+    ]
+    given = function("".join(tests) + "b9:\n  jump b10\nb10:\n  return\n")
+    runs = Expressions(given).domain("b9")
+    assert 1 < runs.n_basic_set() <= 16

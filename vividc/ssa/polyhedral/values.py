@@ -33,6 +33,10 @@ from vividc.ssa.ir import (
 _INT_MIN: Final = -SIGN_BIT
 _WORDS: Final = 1 << WORD_BITS
 _MOST_PIECES: Final = 8
+_DOMAIN_PIECES: Final = 16
+"""Convex ones, of the iterations in which a block may run: each condition of 88 multiplies them
+(NPBench's channel_flow, whose parts of arrays have sizes from other parts).
+"""
 _LONGEST: Final = MAX_DIMENSION * 4
 OPERATIONS: Final = 20_000_000
 """Of isl's for one question about a tree of loops. It takes no notice of the clock, and one tree of
@@ -202,12 +206,14 @@ class Expressions:
         return Expression(isl.PwAff.val_on_domain(domain, isl.Val(value)), value, value)
 
     def domain(self, block: str) -> isl.Set:
-        """Iterations in which `block` may run: branches on every way there say so."""
+        """Iterations in which `block` may run: branches on every way there say so, but those by
+        which it would have too many pieces.
+        """
         if block not in self._runs:
             runs = isl.Set.universe(self._space)
             for condition, truth in _conditions(self.function, block):
                 held = self.holds(condition, truth)
-                if held is not None:
+                if held is not None and runs.n_basic_set() * held.n_basic_set() <= _DOMAIN_PIECES:
                     runs = runs.intersect(held)
             self._runs[block] = runs
         return self._runs[block].intersect(self._facts)
