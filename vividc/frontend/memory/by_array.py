@@ -104,19 +104,6 @@ def merges(function: Function) -> Iterator[Phi | Instr]:
     return (item for block in function.blocks for item in block.items if choices_of(item))
 
 
-def kept_between(function: Function, allocation: Instr) -> Phi | None:
-    """The header phi by which what an allocation in a loop makes is there in the next iteration."""
-    flow = flow_of(function)
-    home = function.block_of[allocation.id]
-    for header, body in flow.loops.items():
-        if home not in body:
-            continue
-        for phi in function.by_name[header].phis:
-            if phi.type == "ptr" and allocation.id in roots_of(function, Ref(phi.id)):
-                return phi
-    return None
-
-
 def mixed_choices(function: Function) -> list[Phi | Instr]:
     """Choices between pointers into different arrays."""
     return [item for item in merges(function) if len(roots_of(function, Ref(item.id))) > 1]
