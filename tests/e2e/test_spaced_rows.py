@@ -105,8 +105,8 @@ def compiled(kernel: vividc.KernelFunction) -> Program:
 def wishing(kernel: vividc.KernelFunction, pitch: int) -> Program:
     """The program, with rows so many words apart modulo the banks."""
     program = compiled(kernel)
-    a_word = {param.name: param.a_word for param in program.params}
-    return replace(program, pitches={name: pitch * a_word[name] for name in program.pitches})
+    per_word = {param.name: param.per_word for param in program.params}
+    return replace(program, pitches={name: pitch * per_word[name] for name in program.pitches})
 
 
 @pytest.fixture(autouse=True)

@@ -8,12 +8,9 @@ interpreted.
 
 from __future__ import annotations
 
-import sys
 from random import Random
 
-import click
-
-from tests.fuzz.slices import searched
+from tests.fuzz.slices import command
 
 NAMES = "pqr"
 _STARTS = ("a", "b", "a.copy()", "a + b", "np.zeros((6, 6), np.float32)", "a[1:].copy()")
@@ -67,13 +64,5 @@ def _statement(random: Random, depth: int, counter: str, indent: int) -> list[st
     return [pad + form.format(*names, i=counter)]
 
 
-@click.command()
-@click.option("--seed", default=1, show_default=True, help="Of the first program.")
-@click.option("--count", default=1000, show_default=True, help="Programs.")
-def main(seed: int, count: int) -> None:
-    """Run random programs whose names change; exit code 1 on a find."""
-    sys.exit(0 if searched(random_source, seed, count) else 1)
-
-
 if __name__ == "__main__":
-    main()
+    command(random_source, "programs whose names change")()

@@ -175,13 +175,17 @@ def searched(make: Callable[[Random], str], seed: int, count: int) -> bool:
     return not search.finds
 
 
-@click.command()
-@click.option("--seed", default=1, show_default=True, help="Of the first program.")
-@click.option("--count", default=1000, show_default=True, help="Programs.")
-def main(seed: int, count: int) -> None:
-    """Run random programs of slices; exit code 1 on a find."""
-    sys.exit(0 if searched(random_source, seed, count) else 1)
+def command(make: Callable[[Random], str], what: str) -> click.Command:
+    """The command that runs random programs of `make`, which are called `what`."""
+
+    @click.command(help=f"Run random {what}; exit code 1 on a find.")
+    @click.option("--seed", default=1, show_default=True, help="Of the first program.")
+    @click.option("--count", default=1000, show_default=True, help="Programs.")
+    def main(seed: int, count: int) -> None:
+        sys.exit(0 if searched(make, seed, count) else 1)
+
+    return main
 
 
 if __name__ == "__main__":
-    main()
+    command(random_source, "programs of slices")()

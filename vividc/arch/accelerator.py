@@ -33,6 +33,13 @@ class DRAM:
     latency: int
     granule_bytes: int
 
+    def cycles(self, start: int, end: int) -> int:
+        """Cycles of the channel for the bytes of an array from `start` to before `end`, if it
+        begins at a granule.
+        """
+        granules = -(-end // self.granule_bytes) - start // self.granule_bytes
+        return granules * -(-self.granule_bytes // self.bytes_per_cycle)
+
 
 @dataclass(frozen=True, slots=True)
 class NoC:

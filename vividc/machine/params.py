@@ -128,7 +128,7 @@ class Param:
         return MAX_DIMENSION * max(4 // self.dtype.size_bytes if self.ndim == 1 else 1, 1)
 
     @property
-    def a_word(self) -> int:
+    def per_word(self) -> int:
         """Elements that a word holds: 4 of bytes, 1 of words or more."""
         return max(WORD_BYTES // self.dtype.size_bytes, 1)
 

@@ -163,7 +163,7 @@ def _store_faults(program: Program) -> Iterator[str]:
     ):
         yield "its memory layout does not fit its parameters"
     banks = program.fabric.scratchpad.banks
-    around = {p.name: p.a_word * banks for p in program.params if p.ndim == 2}  # noqa: PLR2004
+    around = {p.name: p.per_word * banks for p in program.params if p.ndim == 2}  # noqa: PLR2004
     if any(not 0 <= pitch < around.get(name, 0) for name, pitch in program.pitches.items()):
         yield "the pitches of its matrices do not fit its parameters"
     if any(local.words < len(local.contents or ()) for local in program.locals):

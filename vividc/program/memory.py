@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from collections.abc import Mapping as ReadOnly
 from itertools import accumulate
-from types import MappingProxyType
 
 from vividc.arch.fabric import Scratchpad
 from vividc.errors import ArgumentError
@@ -24,16 +23,15 @@ def trapped(array: str) -> str | None:
 def pitches_of(
     wishes: ReadOnly[str, int],
     shapes: ReadOnly[str, Sequence[int]],
-    around: ReadOnly[str, int] = MappingProxyType({}),
+    around: ReadOnly[str, int] | None = None,
 ) -> dict[str, int]:
     """Elements from one row to the next of each matrix of `wishes`: the least that is as wished
-    modulo what all banks hold of it (`around`, in elements); without that, what the rows take.
+    modulo what all banks hold of it (`around`, in elements); None: what the rows take.
     """
     columns = {name: shapes[name][1] for name in wishes}
-    return {
-        name: n + (wishes[name] - n) % around[name] if name in around else n
-        for name, n in columns.items()
-    }
+    if around is None:
+        return columns
+    return {name: n + (wishes[name] - n) % around[name] for name, n in columns.items()}
 
 
 def pitch_words(pitches: ReadOnly[str, int]) -> dict[str, int]:

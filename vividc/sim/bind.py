@@ -123,11 +123,9 @@ def _layout(
     """First byte of each array, and the pitches of matrices: as wished if they fit so."""
     pad = program.fabric.scratchpad
     shapes = {name: array.shape for name, array in arrays.items()}
-    around = {param.name: param.a_word * pad.banks for param in program.params}
-    for pitches in (
-        pitches_of(program.pitches, shapes, around),
-        pitches_of(program.pitches, shapes),
-    ):
+    around = {param.name: param.per_word * pad.banks for param in program.params}
+    for spaced in (around, None):
+        pitches = pitches_of(program.pitches, shapes, spaced)
         sizes = [(name, _words(array, pitches.get(name))) for name, array in arrays.items()]
         sizes += [(local.name, local.words) for local in locals_]
         if sum(words for _, words in sizes) <= pad.words:

@@ -22,9 +22,9 @@ def spaced(function: Function, estimator: Estimator, hints: Mapping[str, float])
     of words that may be (blocks of a nest have rows of words), as the estimator says.
     """
     matrices = may_be_spaced(function) if estimator.spaces != "none" else ()
-    a_word = {param.name: param.a_word for param in function.params}
+    per_word = {param.name: param.per_word for param in function.params}
     if estimator.spaces == "all":
-        words = frozenset(matrix for matrix in matrices if a_word[matrix] == 1)
+        words = frozenset(matrix for matrix in matrices if per_word[matrix] == 1)
         return replace(function, spaced=words) if words else function
     if not matrices:
         return function
@@ -43,7 +43,7 @@ def spaced(function: Function, estimator: Estimator, hints: Mapping[str, float])
             ]
             for kind in ("loop", "straight")
         )
-        pitches = best_pitches(loops, {matrix: a_word[matrix] for matrix in matrices})
+        pitches = best_pitches(loops, {matrix: per_word[matrix] for matrix in matrices})
         all_spaced = _stalls(loops, straight, pitches)
         pays = frozenset(
             matrix

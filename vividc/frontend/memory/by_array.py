@@ -146,7 +146,7 @@ def apart(
         choice = function.definitions[id_]
         if isinstance(choice, Instr):
             function = _as_branch(function, choice)
-    copies = Copies(function, frozenset(variables), place, most)
+    copies = _Copies(function, frozenset(variables), place, most)
     return copies.made() if copies.walk() else None
 
 
@@ -188,7 +188,7 @@ class _Copy:
 
 
 @dataclass
-class Copies:
+class _Copies:
     """Copies of blocks, one for each way in which the pointers that are read later are into arrays.
 
     Attributes
@@ -215,7 +215,7 @@ class Copies:
             name = self._name(block.name, arrays)
             inside = self._inside(block, arrays)
             length += len(block.items)
-            if inside is None or length > self.most:
+            if length > self.most:
                 return False
             ends: dict[str, str] = {}
             for successor in dict.fromkeys(block.branch.successors):
@@ -238,19 +238,19 @@ class Copies:
             self.names[key] = first_free(taken, f"{block}.again") if count else block
         return self.names[key]
 
-    def _inside(self, block: Block, arrays: Arrays) -> Arrays | None:
+    def _inside(self, block: Block, arrays: Arrays) -> Arrays:
         """Arrays at the end of a block."""
         found = dict(arrays)
         for at, op in enumerate(block.instrs):
             if op.id not in self.variables or self.place is None:
                 continue
-            busy, number = self.read_behind(block, at, found), 0
+            busy, number = self._read_behind(block, at, found), 0
             while (array := self.place(op.id, number)) in busy:
                 number += 1
             found[op.id] = array
         return found
 
-    def read_behind(self, block: Block, at: int, arrays: Arrays) -> set[Value]:
+    def _read_behind(self, block: Block, at: int, arrays: Arrays) -> set[Value]:
         """Arrays that are read behind an allocation."""
         live = self._live_out[block.name] | set(self._read(block.instrs[at + 1 :]))
         return {arrays[id_] for id_ in live if id_ in arrays}

@@ -173,13 +173,11 @@ class NestLaunch:
         return total
 
     def _channel(self, name: str, box: Box) -> int:
-        granule = self.machine.dram.granule_bytes
         whole = len(box) == 1 or box[-1] == (0, self.arrays[name].shape[-1])
         rows = 1 if whole else int(np.prod([b - a for a, b in box[:-1]]))
         size = WORD_BYTES * int(np.prod([b - a for a, b in box])) // max(rows, 1)
-        start = WORD_BYTES * box[-1][0] % granule if not whole else 0
-        granules = -(-(start + size) // granule)
-        return rows * granules * -(-granule // self.machine.dram.bytes_per_cycle)
+        start = 0 if whole else WORD_BYTES * box[-1][0]
+        return rows * self.machine.dram.cycles(start, start + size)
 
 
 @dataclass(frozen=True, order=True, slots=True)

@@ -9,9 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from vividc.arch import Accelerator
 from vividc.launch.steps import Configure
-from vividc.launch.tiles.chunks import Chunk, Cut, Plan, aligned
+from vividc.launch.tiles.chunks import Chunk, Cut, Plan
 
 _PROBED = (2, 4)
 """Behind which part of the chunks one is run to time it. Others are taken to last as long as the
@@ -79,7 +78,7 @@ def costs_of(cut: Cut, plan: Plan, words: int, run: int) -> Costs:
             part = touch.stores if back else touch.hull
             skipped = not back and (name in chunk.overwritten or name in plan.resident)
             if part is not None and name not in own and not skipped:
-                total += channel(machine, part)
+                total += machine.dram.cycles(*part)
         return total
 
     dma, dram = machine.dma, machine.dram
@@ -90,16 +89,8 @@ def costs_of(cut: Cut, plan: Plan, words: int, run: int) -> Costs:
         [moved(chunk, back=True) for chunk in plan.chunks],
         dma.setup_cycles + dram.latency + machine.noc.latency,
         dma.setup_cycles + machine.noc.latency,
-        sum(channel(machine, part) for part in plan.resident.values()),
+        sum(machine.dram.cycles(*part) for part in plan.resident.values()),
     )
-
-
-def channel(machine: Accelerator, part: tuple[int, int]) -> int:
-    """Cycles of DRAM's channel for some bytes of an array."""
-    start, end = aligned(part)
-    granule = machine.dram.granule_bytes
-    granules = -(-end // granule) - start // granule
-    return granules * -(-granule // machine.dram.bytes_per_cycle)
 
 
 @dataclass

@@ -330,11 +330,11 @@ def best_pitches(traffic: Sequence[Traffic], matrices: Mapping[str, int]) -> dic
     """
     banks = traffic[0].banks if traffic else 1
     known: dict[str, int] = {}
-    for matrix, a_word in matrices.items():
+    for matrix, per_word in matrices.items():
         word = pitch_of(matrix, 1).key
         touched = [one for one in traffic if one.touches(matrix)]
         least = math.inf
-        for pitch in (a_word * (n % banks) for n in range(1, banks + 1)):
+        for pitch in (per_word * (n % banks) for n in range(1, banks + 1)):
             stalls = sum(one.weight * one.stalls({**known, word: pitch}) for one in touched)
             if stalls < (1.0 - _NOISE) * least:
                 known[word], least = pitch, stalls
@@ -392,7 +392,7 @@ def best_layout(
             break
         draw = Random(turn)
         drawn = (
-            {name: a_word * draw.randrange(banks) for name, a_word in matrices.items()},
+            {name: per_word * draw.randrange(banks) for name, per_word in matrices.items()},
             {name: draw.randrange(banks) for name in best[1]},
         )
         layout = _improved(traffic, matrices, drawn)

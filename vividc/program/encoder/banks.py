@@ -53,7 +53,7 @@ def choose_layout(
     banks hold, and the start bank of each array parameter and each array of the kernel's own, by
     name; `tries`: from how many layouts the search begins.
     """
-    spaced = {param.name: param.a_word for param in kernel.params if param.name in kernel.spaced}
+    spaced = {param.name: param.per_word for param in kernel.params if param.name in kernel.spaced}
     arrays = [param.name for param in kernel.params if param.ndim]
     own = [local.name for local in kernel.locals]
     return best_layout(traffic, spaced, [*arrays, *own], tries)
