@@ -34,7 +34,7 @@ def test_more_random_names_are_numbas(hundred: int, tmp_path: Path) -> None:
 def test_a_place_that_is_taken_too_early_is_found(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(by_array._Copies, "_read_behind", lambda *_: set())
+    monkeypatch.setattr(by_array.Copies, "read_behind", lambda *_: set())
     search = Search(tmp_path, random_source)
     seeds = iter(range(40))
     with modules_made_anew():

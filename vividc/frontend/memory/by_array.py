@@ -146,7 +146,7 @@ def apart(
         choice = function.definitions[id_]
         if isinstance(choice, Instr):
             function = _as_branch(function, choice)
-    copies = _Copies(function, frozenset(variables), place, most)
+    copies = Copies(function, frozenset(variables), place, most)
     return copies.made() if copies.walk() else None
 
 
@@ -188,7 +188,7 @@ class _Copy:
 
 
 @dataclass
-class _Copies:
+class Copies:
     """Copies of blocks, one for each way in which the pointers that are read later are into arrays.
 
     Attributes
@@ -244,13 +244,13 @@ class _Copies:
         for at, op in enumerate(block.instrs):
             if op.id not in self.variables or self.place is None:
                 continue
-            busy, number = self._read_behind(block, at, found), 0
+            busy, number = self.read_behind(block, at, found), 0
             while (array := self.place(op.id, number)) in busy:
                 number += 1
             found[op.id] = array
         return found
 
-    def _read_behind(self, block: Block, at: int, arrays: Arrays) -> set[Value]:
+    def read_behind(self, block: Block, at: int, arrays: Arrays) -> set[Value]:
         """Arrays that are read behind an allocation."""
         live = self._live_out[block.name] | set(self._read(block.instrs[at + 1 :]))
         return {arrays[id_] for id_ in live if id_ in arrays}
