@@ -20,17 +20,17 @@ from vividc.render import (
 from vividc.render.radiance import pixel_rays, render_rays
 
 ROOT = Path(__file__).parents[2]
-PHOTOGRAPHS = sorted((ROOT.parent / "shared" / "scenes" / "mic").glob("mic_200.npz"))
+PHOTOGRAPHS = ROOT.parent / "shared" / "scenes" / "mic" / "mic_200.npz"
 SCENES = ("mic_3dgs_sh3.ply", "mic_kilonerf.npz", "mic_ngp_hash.npz", "mic_tensorf_vm.npz")
 FIRST_ROW, ROWS, SIDE = 96, 8, 200
 HELD_OUT = 13
 """A view that none of the reference renders is of."""
 
 
-@pytest.mark.parametrize("views", PHOTOGRAPHS, ids=lambda path: path.stem)
+@pytest.mark.skipif(not PHOTOGRAPHS.exists(), reason=f"needs ../shared: {PHOTOGRAPHS.name}")
 @pytest.mark.parametrize("name", SCENES)
-def test_a_band_of_a_held_out_photograph(name: str, views: Path) -> None:
-    view = read_views(views)[HELD_OUT]
+def test_a_band_of_a_held_out_photograph(name: str) -> None:
+    view = read_views(PHOTOGRAPHS)[HELD_OUT]
     scene = read_scene(ROOT / "scenes" / "mic" / name)[1]
     if isinstance(scene, Gaussians):
         band = Crop(0, FIRST_ROW, SIDE, ROWS)
