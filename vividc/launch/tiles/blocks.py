@@ -194,12 +194,15 @@ class Choice:
         Into how many parts the loops inside are cut.
     places
         Of blocks, in each scratchpad.
+    moved
+        Of `channel`, what is not waiting.
     """
 
     channel: float
     length: int
     parts: int
     places: int
+    moved: float = 0.0
 
 
 def block_choices(launch: NestLaunch) -> list[Choice]:
@@ -267,7 +270,7 @@ def _choices(
         probed = _probe(launch, rows, inside, length, parts)
         moved = probed.moved * count / length * parts + probed.once
         waits = 1 + tiles / (2 * blocks) + _FEW * tiles / (blocks * blocks)
-        yield Choice(moved * waits, length, parts, places)
+        yield Choice(moved * waits, length, parts, places, moved)
 
 
 def _cut(rows: tuple[int, int], length: int) -> list[tuple[int, int]]:

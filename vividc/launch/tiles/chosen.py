@@ -42,7 +42,10 @@ class Chosen:
     Attributes
     ----------
     channel
-        Cycles of DRAM's channel, and of waits at the beginning and the end.
+        Cycles of DRAM's channel.
+    ends
+        Cycles in which it waits for the first and the last blocks, where nothing comes before and
+        after this nest.
     computing
         Cycles of the tile with most runs.
     configuring
@@ -51,13 +54,9 @@ class Chosen:
 
     plan: BlockPlan
     channel: int
+    ends: int
     computing: int
     configuring: int
-
-    @property
-    def cycles(self) -> int:
-        """Those of a launch, without the configuration."""
-        return max(self.channel, self.computing)
 
 
 def chosen(launch: NestLaunch) -> Chosen:
@@ -73,7 +72,7 @@ def chosen(launch: NestLaunch) -> Chosen:
         first, last = launch.bounds
         if first < last:
             raise refusal(launch)
-        return Chosen(BlockPlan((), (), {}), 0, 0, 0)
+        return Chosen(BlockPlan((), (), {}), 0, 0, 0, 0)
     expected: list[tuple[float, Choice]] = []
     least = float("inf")
     for choice in choices:
@@ -96,7 +95,8 @@ def _chosen(launch: NestLaunch, choice: Choice, plan: BlockPlan) -> Chosen:
     entries = tiles * len(launch.program.fabric.pes) * len(launch.program.words)
     return Chosen(
         plan,
-        round(choice.channel),
+        round(choice.moved),
+        round(choice.channel - choice.moved),
         round(_computing(launch, choice)),
         entries // machine.configuration.entries_per_cycle,
     )

@@ -80,8 +80,7 @@ def nests_cycles(
     kwargs: ReadOnly[str, object],
     fabric: str | os.PathLike[str] | Accelerator,
 ) -> int:
-    """Cycles that `nests_job` is predicted to take: those of each nest, one after the other, and
-    the configurations.
+    """Cycles that `nests_job` is predicted to take: those of each nest, one after the other.
 
     Raises
     ------
@@ -188,13 +187,18 @@ class _Builder:
         return self._job
 
     def predicted(self, runs: Iterable[Run]) -> int:
-        """Cycles of all these nests."""
-        total, held = 0, -1
+        """Cycles of all these nests: while one runs, the next one's program and blocks come."""
+        total, ends, held = 0, 0, -1
         for number, counters in runs:
-            _, expected = self._chosen(number, _words(counters))
-            total += expected.cycles + (expected.configuring if number != held else 0)
+            _, one = self._chosen(number, _words(counters))
+            configuring = one.configuring if number != held else 0
+            if not total:  # the first one's program hides behind nothing
+                total, configuring = configuring, 0
+            cycles = max(one.channel, one.computing, configuring)
+            total += cycles
+            ends = max(ends, one.channel + one.ends - cycles)
             held = number
-        return total
+        return total + ends
 
     def _chosen(self, number: int, counters: ReadOnly[str, int]) -> tuple[NestLaunch, Chosen]:
         """A run of a nest, and how it is cut; one that depends on no counter, once."""
