@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, settings
 os.environ.setdefault("NUMBA_OPT", "1")
 
 from tests import kept
-from vividc.mapper.engines.negotiate import prepare
+from vividc.mapper.engines import greedy, negotiate
 
 settings.register_profile(
     "tests", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
@@ -64,7 +64,8 @@ def own_cache(
         patch.setenv("VIVIDC_CACHE_PROGRAMS", "0")  # a test is of the compiler that it patches
         patch.setenv("XDG_STATE_HOME", str(folder / "state"))
         kept.take_from_cache(pytestconfig, patch, tmp_path_factory.getbasetemp())
-        prepare()  # within no test's time limit
+        greedy.prepare()  # within no test's time limit
+        negotiate.prepare()
         yield
     _copy_machine_code(entries, code)
 

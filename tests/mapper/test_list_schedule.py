@@ -12,14 +12,13 @@ from vividc.dfg.check import check
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
 from vividc.errors import MappingFailed, SourceLoc
 from vividc.machine.opcodes import ORDER, PRED, LatencyClass, Opcode
-from vividc.mapper.bounds.straight import Heights
+from vividc.mapper.bounds.straight import heights_of
 from vividc.mapper.check.verify import violations
-from vividc.mapper.engines.greedy import Policy, Schedule
+from vividc.mapper.engines.greedy import Policy, Region, Schedule
 from vividc.mapper.engines.list_schedule import list_schedule, straight_lower_bound
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.resources.banks import NO_MEETS
-from vividc.mapper.resources.router import Places, Router, Value
 
 _SLOW_MUL = {LatencyClass.IMUL: 3}
 
@@ -313,8 +312,8 @@ def test_a_pass_ends_once_it_cannot_be_shorter() -> None:
     problem = MapProblem(random_region(3, 40), tile())
     length = greedy_pass(problem).run()
     assert length is not None
-    assert greedy_pass(problem).run(length.ii + 1) == length
-    assert greedy_pass(problem).run(length.ii) is None
+    assert greedy_pass(problem).run(length + 1) == length
+    assert greedy_pass(problem).run(length) is None
 
 
 @pytest.mark.parametrize(("cycles", "is_enough"), [(250, True), (252, True), (253, False)])
@@ -323,35 +322,29 @@ def test_a_schedule_within_a_hundredth_of_a_long_bound_is_enough(
 ) -> None:
     trials = []
 
-    def run(_: Schedule, below: float) -> Mapping:
+    def run(_: Schedule, below: float) -> int:
         trials.append(below)
-        return Mapping(cycles, {}, {})
+        return cycles
 
     monkeypatch.setattr(Schedule, "run", run)
+    monkeypatch.setattr(Schedule, "mapping", lambda _: Mapping(cycles, {}, {}))
     problem = MapProblem(chain(250), load("vivid-tile"))
     assert straight_lower_bound(problem).ii == 250
     assert list_schedule(problem).ii == cycles
     assert (len(trials) == 1) == is_enough
 
 
-def test_a_place_that_cannot_be_better_is_not_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_place_that_cannot_be_better_is_not_tried() -> None:
     """All PEs are as good in time; the least that routes and constants take tells them apart."""
-    tried: list[int] = []
-    park = Router.park
-
-    def counted(router: Router, value: Value) -> bool:
-        tried.append(value.node)
-        return park(router, value)
-
-    monkeypatch.setattr(Router, "park", counted)
     problem = MapProblem(random_region(3, 40), tile())
-    greedy_pass(problem).run()
-    assert len(tried) < 2 * len(problem.dfg.placed)
+    schedule = greedy_pass(problem)
+    schedule.run()
+    assert schedule.job.tried[0] < 2 * len(problem.dfg.placed)
 
 
 def greedy_pass(problem: MapProblem) -> Schedule:
     policy = Policy({}, 0.6, deep=False, affinity=2, constants=1, spared=0, apart=2)
-    return Schedule(problem, Places(problem.fabric), Heights(problem), policy, NO_MEETS)
+    return Schedule(Region(problem, heights_of(problem), NO_MEETS), policy)
 
 
 def tile() -> Fabric:

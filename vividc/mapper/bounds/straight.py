@@ -10,13 +10,14 @@ import numpy as np
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import Edge, EdgeKind, Node
 from vividc.errors import MappingFailed
-from vividc.host.once import once_each
+from vividc.host.once import once_each, once_within
 from vividc.machine.opcodes import Opcode
 from vividc.mapper.mapping import Bound
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.resources.distances import cycles_for
 
 
+@once_within
 def straight_lower_bound(problem: MapProblem) -> Bound:
     """The sharpest lower bound on the length of a straight region, at least 1.
 
@@ -28,7 +29,7 @@ def straight_lower_bound(problem: MapProblem) -> Bound:
     MappingFailed
         Edges of distance 0 form a cycle.
     """
-    heights = Heights(problem)
+    heights = heights_of(problem)
     heads = _heads(problem, heights)
     bounds = [_path_bound(problem, heights), *_shared_bounds(problem, heights, heads)]
     return max(bounds, key=lambda bound: bound.ii)
@@ -68,9 +69,9 @@ class Heights:
             own = end_after_start(problem.fabric, problem.dfg.by_id[node])
             self.of[node] = min((after[pe] for pe in self._candidates[node]), default=own)
 
-    def after(self, node: int, pe: int) -> int:
-        """Height of `node` if it lies on `pe`."""
-        return self._after[node][pe]
+    def after(self, node: int) -> list[int]:
+        """Heights of `node` by the PE that it lies on."""
+        return self._after[node]
 
     def separation(self, edge: Edge) -> int:
         """Least start[dst] - start[src], with the producer on its best candidate."""
@@ -108,6 +109,12 @@ class Heights:
             ahead = [latency + max(0, hops - 1) for hops in nearest]
             self._ahead[latency, targets] = ahead if len(set(ahead)) > 1 else ahead[0]
         return self._ahead[latency, targets]
+
+
+@once_within
+def heights_of(problem: MapProblem) -> Heights:
+    """The heights of a region's nodes."""
+    return Heights(problem)
 
 
 def _path_bound(problem: MapProblem, heights: Heights) -> Bound:

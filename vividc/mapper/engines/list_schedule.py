@@ -3,8 +3,8 @@
 The classic greedy (Graham 1966; heights as priorities: Coffman 1976, chapter 2), with routing as
 part of the placement, and repeated with the priority of late nodes raised (squeaky wheel: Joslin
 and Clements 1999). Words that wait keep a register, so a placement can always be completed later
-(see `router`); it fails when registers or constant stores are full, or when a PE can bring together
-fewer words than an operation reads.
+(see `greedy.words`); it fails when registers or constant stores are full, or when a PE can bring
+together fewer words than an operation reads.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ import math
 from collections.abc import Callable
 from typing import Final
 
-from vividc.mapper.bounds.straight import Heights, straight_lower_bound
-from vividc.mapper.engines.greedy import Policy, Schedule
+from vividc.mapper.bounds.straight import heights_of, straight_lower_bound
+from vividc.mapper.engines.greedy import Policy, Region, Schedule
 from vividc.mapper.engines.refusals import (
     Stuck,
     failure_of,
@@ -24,7 +24,6 @@ from vividc.mapper.engines.refusals import (
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.resources.banks import NO_MEETS, Meets
-from vividc.mapper.resources.router import Places
 
 __all__ = ["list_schedule", "straight_lower_bound"]
 
@@ -79,33 +78,33 @@ def list_schedule(
     refuse_impossible(problem)
     bound = straight_lower_bound(problem)
     refuse_too_long(problem, bound.ii)
-    heights = Heights(problem)
-    places = Places(problem.fabric)
+    region = Region(problem, heights_of(problem), meets)
     urgency: dict[int, int] = {}
-    best: Mapping | None = None
+    best: Schedule | None = None
     least = math.inf
     failure: Stuck | None = None
     trials = _trials(problem)
     for trial in range(trials):
         policy = _policy(trial, urgency, failure is not None, frugal)
-        schedule = Schedule(problem, places, heights, policy, meets)
+        schedule = Schedule(region, policy)
         try:
-            mapping = schedule.run(least if trial == trials - 1 else math.inf)
+            length = schedule.run(least if trial == trials - 1 else math.inf)
         except Stuck as stuck:
             failure = stuck
             continue
-        if mapping is None:
+        if length is None:
             break
-        cycles = mapping.ii + schedule.waits
+        cycles = length + schedule.waits
         if best is None or cycles < least:
-            best, least = mapping, cycles
+            best, least = schedule, cycles
         if least < bound.ii + 1 + bound.ii // _NEAR or not goes_on():
             break
-        urgency = _raised(urgency, heights, mapping, bound.ii)
+        urgency = _raised(urgency, schedule, bound.ii)
     if best is None:
         raise failure_of(problem, failure)
-    refuse_too_long(problem, best.ii)
-    return best
+    mapping = best.mapping()
+    refuse_too_long(problem, mapping.ii)
+    return mapping
 
 
 def _trials(problem: MapProblem) -> int:
@@ -130,13 +129,11 @@ def _policy(trial: int, urgency: dict[int, int], crowded: bool, frugal: bool) ->
     )
 
 
-def _raised(
-    urgency: dict[int, int], heights: Heights, mapping: Mapping, target: int
-) -> dict[int, int]:
+def _raised(urgency: dict[int, int], schedule: Schedule, target: int) -> dict[int, int]:
     """Raise the priority of nodes that make the schedule longer than `target`, by the excess."""
-    raised = dict(urgency)
-    for node, place in mapping.places.items():
-        late = place.time + heights.of[node] - target
+    raised, heights = dict(urgency), schedule.region.heights
+    for node, start in schedule.starts().items():
+        late = start + heights.of[node] - target
         if late > 0:
             raised[node] = raised.get(node, 0) + late
     return raised

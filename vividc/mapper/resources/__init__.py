@@ -1,6 +1,5 @@
 """What a fabric offers to operations and words, and what a graph asks of it.
 
 In order: `dependences`, `distances`, `mrrg` (the modulo routing resource graph), `plain_core`;
-`registers` (allocation), `moved_words` (where words are moved for it), `fu_slots`, `banks`,
-`router` (straight code).
+`registers` (allocation), `moved_words` (where words are moved for it), `fu_slots`, `banks`.
 """
