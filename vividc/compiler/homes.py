@@ -40,6 +40,12 @@ def residents(fabric: Fabric, mapped: Iterable[tuple[DFG, RegionMapping]]) -> Re
     return {pe: frozenset(keys) for pe, keys in held.items()}
 
 
+def with_residents(held: Residents, fabric: Fabric, dfg: DFG, mapping: RegionMapping) -> Residents:
+    """The entries `held`, and those of one more region."""
+    more = residents(fabric, ((dfg, mapping),))
+    return {pe: entries | more[pe] for pe, entries in held.items()}
+
+
 def variable_homes(
     kernel: Kernel,
     fabric: Fabric,

@@ -15,7 +15,7 @@ from typing import Literal
 from vividc.arch.fabric import Fabric
 from vividc.compiler.delivery import deliver, with_homes
 from vividc.compiler.earlier import Earlier, posed, straight_key
-from vividc.compiler.homes import residents, variable_homes
+from vividc.compiler.homes import residents, variable_homes, with_residents
 from vividc.compiler.map_again import Runs, layout_for, with_fewer_cycles
 from vividc.dfg.alike import unnamed
 from vividc.dfg.ir import DFG
@@ -197,12 +197,12 @@ def _with_straight(
     loops = {index: mapping_of(result) for index, result in results.items()}
     homes = variable_homes(kernel, fabric, loops, None if runs is None else runs.entries)
     known = NOTHING if runs is None else layout_for(kernel, fabric, results, runs)
-    done = [(kernel.regions[index].dfg, mapping) for index, mapping in loops.items()]
+    there = residents(fabric, ((kernel.regions[i].dfg, loop) for i, loop in loops.items()))
     regions = list(kernel.regions)
     straight = [(i, r) for i, r in enumerate(kernel.regions) if r.kind != "loop"]
     pace = _Pace(sum(len(region.dfg.placed) for _, region in straight))
     for index, region in straight:
-        held = with_homes(residents(fabric, done), homes)
+        held = with_homes(there, homes)
         ready = deliver(region, homes, fabric, held)
         problem = MapProblem(ready.dfg, fabric, ready.allowed, held)
         try:
@@ -217,7 +217,7 @@ def _with_straight(
         if is_lost(_spans(kernel, fabric, results)):
             return None
         regions[index] = replace(region, dfg=ready.dfg)
-        done.append((ready.dfg, mapping_of(results[index])))
+        there = with_residents(there, fabric, ready.dfg, mapping_of(results[index]))
     return replace(kernel, regions=tuple(regions)), results
 
 

@@ -251,11 +251,16 @@ def _constants(case: Case, resident: ReadOnly[int, Collection[ConstantKey]]) -> 
 
 def _live_outs(case: Case, *, straight: bool) -> Iterator[Violation]:
     writes: dict[tuple[int, int], list[int]] = defaultdict(list)
+    readers: dict[tuple[int, ConstantKey], list[int]] = defaultdict(list)
+    for node, place in case.placed():
+        for entry in set(_entries_read(case.dfg, node)):
+            readers[place.pe, entry].append(node.id)
     for node, place in case.placed():
         if node.op is Opcode.LIVE_OUT:
             writes[place.pe, case.slot(place.time)].append(node.id)
             yield from _not_from_an_fu(case, node)
-            yield from _old_word_lost(case, node, place, straight=straight)
+            reading = readers.get((place.pe, ("live_in", node.name)), ())
+            yield from _old_word_lost(case, node, place, reading, straight=straight)
     for (pe, slot), nodes in writes.items():
         if len(nodes) > 1:
             text = f"live-outs {listed(nodes)} write the constant store of PE {pe} in slot {slot}"
@@ -271,14 +276,14 @@ def _not_from_an_fu(case: Case, live_out: Node) -> Iterator[Violation]:
 
 
 def _old_word_lost(
-    case: Case, live_out: Node, place: Place, *, straight: bool
+    case: Case, live_out: Node, place: Place, reading: Collection[int], *, straight: bool
 ) -> Iterator[Violation]:
-    """Reads of a variable see the word from before the region: none may follow a write."""
-    entry = ("live_in", live_out.name)
-    for node, reader in case.placed():
-        if reader.pe != place.pe or (straight and reader.time <= place.time):
+    """Nodes `reading` a variable on the PE where it is written see the word from before the region:
+    none may follow the write.
+    """
+    for node in reading:
+        if straight and case.places[node].time <= place.time:
             continue
-        if entry in _entries_read(case.dfg, node):
-            where = f"{live_out.name!r} on PE {place.pe}"
-            text = f"{case.show(node.id)} reads {where} after it is written"
-            yield Violation("live_in", text, (live_out.id, node.id))
+        where = f"{live_out.name!r} on PE {place.pe}"
+        text = f"{case.show(node)} reads {where} after it is written"
+        yield Violation("live_in", text, (live_out.id, node))
