@@ -9,6 +9,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import FunctionType
 from typing import Annotated, Any, NamedTuple, cast
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 
 import vividc
 from vividc.host.machine_code import Compiler, door, inlined
+from vividc.host.machine_code.origin import origin
 from vividc.host.machine_code.unit import module_text
 
 Ints = NDArray[np.int64]
@@ -375,3 +377,38 @@ def test_code_is_kept_for_what_it_was_made_from_and_damage_is_made_anew(tmp_path
     found, made, said = run(tmp_path)
     assert (found, made, len(said)) == ([120, 60], 1, 1)
     assert "is damaged; it is thrown away and made again" in said[0]
+
+
+def origin_of(text: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """That of functions as they are written in a file."""
+    file = folder / "loops.py"
+    file.write_text(text)
+    spec = spec_from_file_location("loops", file)
+    assert spec is not None
+    assert spec.loader is not None
+    module = module_from_spec(spec)
+    monkeypatch.setitem(sys.modules, "loops", module)
+    exec(compile(text, file, "exec"), vars(module))
+    return origin([module.doubled.py_func])
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("WEIGHT = 10", "WEIGHT = 11"),
+        ("WEIGHT = 10", "WEIGHT = 10.0"),
+        ("* WEIGHT", "+ WEIGHT"),
+        ("return 2 *", "return 3 *"),
+        ("scale: int", "scale: float"),
+        ("np.int64", "np.uint8"),
+        ("row: Row, at: int) -> int", "row: Row, at: int) -> float"),
+        ("import numpy", "import math\nimport numpy"),
+    ],
+)
+def test_code_that_would_be_another_is_looked_for_under_another_key(
+    old: str, new: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = origin_of(LOOPS, tmp_path, monkeypatch)
+    assert old in LOOPS
+    after = origin_of(LOOPS.replace(old, new, 1), tmp_path, monkeypatch)
+    assert (after != before) == ("math" not in new), "what does not matter does not count"

@@ -12,8 +12,8 @@ all arrays of a tuple for a call unless it puts the callee into the caller, and 
 times the code.
 
 In order: `types` (what values are), `body` (LLVM IR under construction), `expressions`,
-`statements`, `unit` (which functions there are, and a module of them), `assembler` (LLVM), `door`
-(where Python calls).
+`statements`, `unit` (which functions there are, and a module of them), `origin` (what they follow
+from), `assembler` (LLVM), `door` (where Python calls).
 """
 
 from vividc.host.machine_code.door import Compiler

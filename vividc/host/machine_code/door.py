@@ -17,6 +17,7 @@ from typing import Any, Final, TypeVar, cast
 from vividc.host import cache
 from vividc.host.machine_code.assembler import host, linked, optimised, quickly
 from vividc.host.machine_code.body import OUTSIDE
+from vividc.host.machine_code.origin import origin
 from vividc.host.machine_code.types import FLOAT, NOTHING, TRUTH, Array, Number, Record, Type
 from vividc.host.machine_code.unit import Signature, module_text, note, signature
 
@@ -40,7 +41,7 @@ WORTH_S: Final = 2.0
 
 class Compiler:
     """A decorator: functions that have it are compiled together, at the first call of one, and kept
-    in the user's cache under a hash of their LLVM IR. Their arguments are positional.
+    in the user's cache under a hash of what they are made from. Their arguments are positional.
 
     Parameters
     ----------
@@ -69,12 +70,8 @@ class Compiler:
         """Compile, or find, what has no machine code yet."""
         with self._lock:
             entries = [entry for entry in self.entries if entry.native is None]
-            text = module_text([entry.py_func for entry in entries], checked=CHECKED)
-            if self._soon and cache.read(_KIND, self._key(text)) is None:
-                self._link(entries, self._kept(text, quick=True))
-                self.is_quick = True
-            else:
-                self._link(entries, self._kept(text))
+            self.is_quick = self._soon and cache.read(_KIND, self._key(entries)) is None
+            self._link(entries, self._kept(entries, quick=self.is_quick))
 
     def spent(self, seconds: float) -> None:
         """Functions made quickly ran for so long: optimise them, if that is worth it by now. Other
@@ -85,8 +82,7 @@ class Compiler:
             return
         try:
             if self.is_quick:
-                text = module_text([entry.py_func for entry in self.entries], checked=CHECKED)
-                self._link(self.entries, self._kept(text))
+                self._link(self.entries, self._kept(self.entries))
                 self.is_quick = False
         finally:
             self._lock.release()
@@ -101,21 +97,26 @@ class Compiler:
         for entry, one, address in zip(entries, called, addresses, strict=False):
             entry.native = _Native(one, address, outside)
 
-    def _key(self, text: str, *, quick: bool = False) -> str:
-        about = f"{host()}\n{'quickly' if quick else self._in_vectors}\n{text}"
+    def _key(self, entries: Sequence[Entry], *, quick: bool = False) -> str:
+        how = f"{'quickly' if quick else self._in_vectors} {CHECKED}"
+        about = f"{host()}\n{how}\n{origin(entry.py_func for entry in entries)}"
         return sha256(about.encode()).hexdigest()
 
-    def _kept(self, text: str, *, quick: bool = False) -> bytes:
+    def _kept(self, entries: Sequence[Entry], *, quick: bool = False) -> bytes:
         """Machine code; processes that need the same wait for the first."""
-        key = self._key(text, quick=quick)
+        key = self._key(entries, quick=quick)
         code = cache.read(_KIND, key)
         if code is None:
             with cache.alone(_KIND):
                 code = cache.read(_KIND, key)
                 if code is None:
-                    code = quickly(text) if quick else optimised(text, in_vectors=self._in_vectors)
+                    code = self._made(entries, quick=quick)
                     cache.write(_KIND, key, code)
         return code
+
+    def _made(self, entries: Sequence[Entry], *, quick: bool) -> bytes:
+        text = module_text([entry.py_func for entry in entries], checked=CHECKED)
+        return quickly(text) if quick else optimised(text, in_vectors=self._in_vectors)
 
 
 class Entry:

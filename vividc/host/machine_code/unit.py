@@ -42,6 +42,14 @@ def note(function: FunctionType) -> None:
     _file_of[function] = _read(name, status.st_mtime_ns, status.st_size)
 
 
+def compiled_by(value: object) -> FunctionType | None:
+    """The function that compiled ones call by this value, or None."""
+    for one in (value, getattr(value, "py_func", None)):
+        if isinstance(one, FunctionType) and one in _file_of:
+            return one
+    return None
+
+
 class _File:
     """The functions of a file by their first lines, decorators among them."""
 
