@@ -180,6 +180,29 @@ def test_groups_are_written_out_as_isl_does(
             assert loops_of(tree, Relations(part)) == made
 
 
+def test_masked_groups_beside_full_ones_are_written_out_as_isl_does(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Where masked groups end does not depend on which of the rows are full."""
+    [part] = parts_of(tidy(moved_on.lower()))
+    rows = with_factors(tree_of(part), {(): 3})
+    tree = with_factors(rows, {(0,): 2}, masked=True)
+    relations = Relations(part)
+    assert schedule.grouped_schedule_of(tree, relations)[1].marks
+    made = loops_of(tree, relations)
+    with monkeypatch.context() as patch:
+        patch.setattr(loops_module, "grouped_schedule_of", _ungrouped)
+        assert loops_of(tree, relations) == made
+
+
+def test_isl_is_told_of_one_of_several_statements_with_the_same_iterations() -> None:
+    """A row begins with two of them, and so does each element."""
+    [part] = parts_of(tidy(sums.lower()))
+    _, grouped = schedule.grouped_schedule_of(tree_of(part), Relations(part))
+    assert {len(others) for others in grouped.twins.values()} == {1}
+    assert not grouped.left.keys() & {one for others in grouped.twins.values() for one in others}
+
+
 def _ungrouped(tree: Loop, relations: Relations) -> tuple[object, schedule.Grouped]:
     return schedule.schedule_of(tree, relations), schedule.Grouped()
 

@@ -12,7 +12,7 @@ import islpy as isl
 from vividc.ssa.polyhedral.forms import ZERO, Form, symbol
 from vividc.ssa.polyhedral.orders.search import describe
 from vividc.ssa.polyhedral.relations import Relations
-from vividc.ssa.polyhedral.schedule import Along, Group, grouped_schedule_of
+from vividc.ssa.polyhedral.schedule import Along, Group, Grouped, grouped_schedule_of
 from vividc.ssa.polyhedral.trees import Loop
 from vividc.ssa.polyhedral.values import integer
 from vividc.ssa.rewrite.refusal import Refusal
@@ -99,7 +99,7 @@ def loops_of(tree: Loop, relations: Relations) -> Loops | Refusal:
 def _loops_of(tree: Loop, relations: Relations) -> Loops | Refusal:
     build = isl.AstBuild.from_context(relations.context)
     schedule, grouped = grouped_schedule_of(tree, relations)
-    reader = _Reader(grouped.marks)
+    reader = _Reader(grouped)
     try:
         node = build.node_from_schedule(schedule)
     except isl.Error as error:
@@ -201,8 +201,9 @@ def _rounded(quotient: Quotient) -> str:
 
 
 class _Reader:
-    def __init__(self, marks: Mapping[str, Group]) -> None:
-        self.marks = marks
+    def __init__(self, grouped: Grouped) -> None:
+        self.grouped = grouped
+        self._is_marked = False
         self.count = 0
         self.quotients: dict[str, Quotient] = {}
         self._known: dict[Quotient, str] = {}
@@ -217,12 +218,12 @@ class _Reader:
         elif kind == "user":
             call = node.user_get_expr()
             count = call.get_op_n_arg()
-            arguments = (self.form(call.get_op_arg(n), names) for n in range(1, count))
-            yield Run(call.get_op_arg(0).get_id().get_name(), tuple(arguments))
+            arguments = tuple(self.form(call.get_op_arg(n), names) for n in range(1, count))
+            name = call.get_op_arg(0).get_id().get_name()
+            twins = () if self._is_marked else self.grouped.twins.get(name, ())
+            yield from (Run(one, arguments) for one in (name, *twins))
         elif kind == "mark":
-            group = self.marks[node.mark_get_id().get_name()]
-            for first in self.code(node.mark_get_node(), names):
-                yield from self._group_of(first, group)
+            yield from self._mark(node, names)
         elif kind == "if":
             yield from self._if(node, names)
         elif kind == "for":
@@ -230,11 +231,20 @@ class _Reader:
         else:
             raise _Odd(f"isl's tree has a node of type {kind}")
 
-    def _group_of(self, code: Code, group: Group) -> Iterator[Code]:
-        """The iterations of a group, from its first."""
+    def _mark(self, node: isl.AstNode, names: dict[str, Form]) -> Iterator[Code]:
+        """The groups of a statement and its twins."""
+        group = self.grouped.marks[node.mark_get_id().get_name()]
+        for twin in ("", *group.twins):
+            self._is_marked = True
+            for first in self.code(node.mark_get_node(), names):
+                yield from self._group_of(first, group, twin)
+            self._is_marked = False
+
+    def _group_of(self, code: Code, group: Group, twin: str) -> Iterator[Code]:
+        """The iterations of a group, from its first, perhaps of a twin."""
         if isinstance(code, If):
             then, otherwise = (
-                tuple(run for one in side for run in self._group_of(one, group))
+                tuple(run for one in side for run in self._group_of(one, group, twin))
                 for side in (code.then, code.otherwise)
             )
             yield replace(code, then=then, otherwise=otherwise)
@@ -242,7 +252,8 @@ class _Reader:
         if not isinstance(code, Run):
             raise _Odd("iterations of a group are in a loop")
         at = dict(zip(group.coordinates, code.coordinates, strict=True))
-        yield from self._beside(code, group.along, at)
+        run = replace(code, statement=twin or code.statement)
+        yield from self._beside(run, group.along, at)
 
     def _beside(self, run: Run, along: tuple[Along, ...], at: Mapping[str, Form]) -> Iterator[Code]:
         """The iterations of a group beside one; what is below a limit is in what was before it."""

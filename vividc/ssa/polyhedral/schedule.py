@@ -12,12 +12,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import islpy as isl
 
 from vividc.ssa.polyhedral.forms import Form
 from vividc.ssa.polyhedral.relations import Relations
+from vividc.ssa.polyhedral.scop import Scop
 from vividc.ssa.polyhedral.trees import (
     Loop,
     Site,
@@ -50,10 +52,13 @@ class Along:
 
 @dataclass(frozen=True)
 class Group:
-    """The iterations that the first of a group stands for, the last of these changing first."""
+    """The iterations that the first of a group stands for, the last of these changing first; then
+    those of other statements with the same ones.
+    """
 
     coordinates: tuple[str, ...]
     along: tuple[Along, ...]
+    twins: tuple[str, ...] = ()
 
 
 @dataclass
@@ -65,11 +70,14 @@ class Grouped:
     ----------
     marks
         The group that a mark stands for.
+    twins
+        Statements that run right behind one, in the same iterations: isl is told of that one only.
     left
         The iterations that are run, by statement.
     """
 
     marks: dict[str, Group] = field(default_factory=dict)
+    twins: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     left: dict[str, isl.Set] = field(default_factory=dict)
 
     def leaf(self, name: str, domain: isl.Set) -> None:
@@ -87,12 +95,54 @@ class Grouped:
 
 def grouped_schedule_of(tree: Loop, relations: Relations) -> tuple[isl.Schedule, Grouped]:
     """isl's schedule tree, with one iteration for each group that is whole, or masked along loops
-    with one limit: writing out the others takes isl most of its time.
+    with one limit, and one statement for several with the same iterations: writing out the others
+    takes isl most of its time.
     """
-    grouped = Grouped()
+    twins: dict[str, tuple[str, ...]] = {}
+    if not _has_skews(tree):
+        with suppress(_Apart):
+            return _grouped(_without_twins(tree, (), relations.scop, twins), relations, twins)
+    return _grouped(tree, relations, {})
+
+
+def _grouped(
+    tree: Loop, relations: Relations, twins: Mapping[str, tuple[str, ...]]
+) -> tuple[isl.Schedule, Grouped]:
+    grouped = Grouped(twins=twins)
     domains = relations.domains(statements_in(tree))
     child = _Ordering(relations, Tiles(relations), grouped).node(tree, Site(domains, ()))
     return _read(relations, grouped.left, child), grouped
+
+
+class _Apart(Exception):
+    """Statements with the same iterations do not run one right behind the other in each."""
+
+
+def _without_twins(
+    tree: Loop, around: tuple[Loop, ...], scop: Scop, twins: dict[str, tuple[str, ...]]
+) -> Loop:
+    """The tree without statements that have the iterations of the one before them."""
+    children: list[Tree] = []
+    loops = (*around, tree)
+    for child in tree.children:
+        before = children[-1] if children else None
+        if not isinstance(child, str):
+            children.append(_without_twins(child, loops, scop, twins))
+        elif isinstance(before, str) and _are_twins(before, child, loops, scop):
+            twins[before] = (*twins.get(before, ()), child)
+        else:
+            children.append(child)
+    return replace(tree, children=tuple(children))
+
+
+def _has_skews(tree: Tree) -> bool:
+    return isinstance(tree, Loop) and (bool(tree.skew) or any(map(_has_skews, tree.children)))
+
+
+def _are_twins(one: str, other: str, loops: tuple[Loop, ...], scop: Scop) -> bool:
+    first, second = scop.statement(one), scop.statement(other)
+    same = first.dims == second.dims and first.guards == second.guards
+    return same and all(loop.over[one] == loop.over[other] for loop in loops)
 
 
 def _read(relations: Relations, domains: Mapping[str, isl.Set], child: str) -> isl.Schedule:
@@ -210,6 +260,8 @@ class _Ordering:
             leaf = self._first_of(name, place, place.jammed[len(partly) :], along, self.grouped)
         if not partly:
             return leaf
+        if self.grouped is not None and name in self.grouped.twins:
+            raise _Apart
         forms = [(loop, f"({{0}}) - ({group_of(loop)})") for loop in partly]
         return self._band(forms, place, leaf, "unroll")
 
@@ -229,7 +281,8 @@ class _Ordering:
         firsts = [f"{loop.over[name]} = {group_of(loop).format(loop.over[name])}" for loop in loops]
         text = f"{{ {self.tiles.named(name)} : {' and '.join(firsts)} }}"
         grouped.leaf(name, domain.intersect(isl.Set(f"{self.relations.parameters} -> {text}")))
-        group = Group(self.relations.scop.statement(name).coordinates, along)
+        coordinates = self.relations.scop.statement(name).coordinates
+        group = Group(coordinates, along, grouped.twins.get(name, ()))
         return f'{{ mark: "{grouped.mark(group)}", child: {{ leaf }} }}'
 
     def _along(self, name: str, place: Site) -> tuple[tuple[Loop, ...], tuple[Along, ...]]:
@@ -239,10 +292,14 @@ class _Ordering:
         jammed = place.jammed
         if any(loop.skew for loop in place.around):
             return jammed, ()  # its other iterations are not beside the first
-        coordinates = self.relations.scop.statement(name).coordinates
+        statement = self.relations.scop.statement(name)
+        coordinates = statement.coordinates
+        is_whole = place.domains[name].plain_is_equal(self.relations.domain(statement))
         found: list[Along] = []
         for loop in reversed(jammed):
             limit = self._limit(name, place, loop)
+            if limit is None and not is_whole and any(one.limit is not None for one in found):
+                break  # isl ends a loop over the first iterations of full groups otherwise
             if limit is None and not self._are_full(name, place, loop):
                 break
             found.append(Along(coordinates.index(loop.over[name]), loop.factor, limit))
@@ -274,8 +331,20 @@ class _Ordering:
             return None  # isl tells what runs beside what by all limits at once
         if any(own.name in form.names for form in (*beside, *statement.guards)):
             return None
-        is_all = place.domains[name].plain_is_equal(self.relations.domain(statement))
-        return limit if is_all and not limit.names & jammed else None
+        if limit.names & jammed:
+            return None
+        position = statement.coordinates.index(own.name)
+        is_all = self._is_all(place.domains[name], self.relations.domain(statement), position)
+        return limit if is_all else None
+
+    def _is_all(self, part: isl.Set, domain: isl.Set, position: int) -> bool:
+        """Whether what is left of a statement's iterations has along a coordinate all that they
+        have.
+        """
+        if part.plain_is_equal(domain):
+            return True
+        anywhere = part.eliminate(isl.dim_type.set, position, 1)
+        return bool(anywhere.intersect(domain).is_subset(part))
 
     def _band(self, members: list[tuple[Loop, str]], place: Site, child: str, option: str) -> str:
         maps = []
