@@ -23,12 +23,13 @@ from vividc.ssa.edit import (
     substitute,
 )
 from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Phi, Ref, Value
-from vividc.ssa.polyhedral.guards import ALWAYS, Guard, implies, masked, moved, names_of
+from vividc.ssa.polyhedral.guards import ALWAYS, Guard, implies, moved, names_of
 from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run
-from vividc.ssa.polyhedral.places import Accessed, Known, Place, Places, Rotated, Stream
+from vividc.ssa.polyhedral.places import Known, Places, Rotated, Stream
 from vividc.ssa.polyhedral.relations import Rows
 from vividc.ssa.polyhedral.rows import arrays_of_rows
 from vividc.ssa.polyhedral.scop import Scop
+from vividc.ssa.polyhedral.writing.accessed import Accessed, Place
 from vividc.ssa.polyhedral.writing.registers import Registers, Unkept
 from vividc.ssa.polyhedral.writing.words import Words
 from vividc.ssa.rewrite.refusal import Refusal
@@ -157,7 +158,7 @@ class _Writer:
         self._certain.append(self.places.accessed(c for c in code if self.places.is_masked(c)))
         for item in code:
             if self.places.is_masked(item):
-                for run, guard in masked(item):
+                for run, guard in self.places.runs(item) or ():
                     _Running(self, run, guard).write()
             elif isinstance(item, For):
                 self._for(item)
@@ -172,7 +173,7 @@ class _Writer:
         self.words.loc = loc = block_of(self.scop.function, origin).branch.loc
         first = self.words.extreme(loop.first, Opcode.SMAX)
         limit = self.words.extreme(loop.limit, Opcode.SMIN)
-        accessed = self.places.accessed(loop.body)
+        accessed = self.places.accessed_in(loop)
         carried, unsure = self._carried(loop, accessed, first, limit)
         streams = tuple(self.places.streams(loop, accessed))
         moving = (*self.places.rotated(loop, accessed), *(r for s in streams for r in s.rotated()))
@@ -324,7 +325,7 @@ class _Writer:
                 if not self._stays(place, (*item.then, *item.otherwise)):
                     return False
             elif isinstance(item, For):
-                accessed = self.places.accessed(item.body)
+                accessed = self.places.accessed_in(item)
                 if self.places.is_met(place, accessed) and place not in self._fixed(item, accessed):
                     return False
         return True
@@ -335,7 +336,8 @@ class _Writer:
 
     def _settle(self, accessed: Accessed, fixed: Collection[Place]) -> None:
         for place in [p for p in self.registers.known if not p.is_scalar and p not in fixed]:
-            meets = [other for other in accessed.written if self.places.may_meet(place, other)]
+            mine = (other for other in accessed.written if other.owner == place.owner)
+            meets = [other for other in mine if self.places.may_meet(place, other)]
             if meets and self.registers.known[place].store is not None:
                 self.registers.flush(place)
             if any(accessed.written[other] for other in meets):

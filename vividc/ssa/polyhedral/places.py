@@ -1,4 +1,4 @@
-"""Scalars and elements of arrays by their subscripts, and which of them may be one place."""
+"""Which scalars and elements of arrays a part accesses, and which of them may be one place."""
 
 from __future__ import annotations
 
@@ -20,61 +20,15 @@ from vividc.ssa.polyhedral.guards import (
     moved,
     names_of,
 )
-from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Quotient, Run, fors_in, runs_in
+from vividc.ssa.polyhedral.loops import Code, For, Loops, Quotient, Run, fors_in, runs_in
 from vividc.ssa.polyhedral.relations import Relations, Rows
 from vividc.ssa.polyhedral.rows import names_of_rows
 from vividc.ssa.polyhedral.scop import Scop, Statement
 from vividc.ssa.polyhedral.subscripts import Access
+from vividc.ssa.polyhedral.writing.accessed import Accessed, Place
 
 _KEPT = 1 << 14
 """So many sets of which it is known whether they are empty: a text of 200 bytes each."""
-
-
-@dataclass(frozen=True)
-class Place:
-    """A scalar (by the id of its value) or an element of an array (by name)."""
-
-    owner: str | int
-    subscripts: tuple[Form, ...]
-
-    @property
-    def is_scalar(self) -> bool:
-        """Whether it has no place in memory."""
-        return isinstance(self.owner, int)
-
-    @property
-    def names(self) -> frozenset[str]:
-        """What its subscripts are made of."""
-        return frozenset(name for form in self.subscripts for name in form.names)
-
-    def at(self, forms: Mapping[str, Form]) -> Place:
-        """The place with forms in place of names."""
-        return Place(self.owner, tuple(one.substituted(forms) for one in self.subscripts))
-
-
-@dataclass
-class Accessed:
-    """What code accesses: whether it writes a place, a load of it if there is one, and the guards
-    of its accesses.
-    """
-
-    written: dict[Place, bool] = field(default_factory=dict)
-    loads: dict[Place, Instr] = field(default_factory=dict)
-    guards: dict[Place, set[Guard]] = field(default_factory=dict)
-
-    def add(self, place: Place, guard: Guard, *, written: bool) -> None:
-        """One more access."""
-        self.written[place] = self.written.get(place, False) or written
-        self.guards.setdefault(place, set()).add(guard)
-
-    def widest(self, place: Place) -> Guard | None:
-        """The guard that holds wherever a place is accessed, if one of its accesses has it."""
-        guards = self.guards[place]
-        return next((one for one in guards if all(implies(other, one) for other in guards)), None)
-
-    def is_sure(self, place: Place, guard: Guard) -> bool:
-        """Whether a place is accessed wherever a guard holds."""
-        return any(implies(guard, other) for other in self.guards.get(place, ()))
 
 
 @dataclass(frozen=True)
@@ -149,6 +103,11 @@ class Places:
     shares: bool = False
     carried: set[Place] = field(default_factory=set)
     """Places that are something else, or known for longer, as registers carry elements."""
+    _runs: dict[int, tuple[tuple[Run, Guard], ...] | None] = field(default_factory=dict)
+    _elements: dict[tuple[int, int], Place] = field(default_factory=dict)
+    _touched: dict[int, Accessed] = field(default_factory=dict)
+    """By the identities of accesses and of code, which live as long."""
+    _met: dict[tuple[Place, Place, Guard], bool] = field(default_factory=dict)
     _meet: dict[tuple[tuple[Form, ...], Guard], bool] = field(default_factory=dict)
     _accessed: dict[tuple[str, frozenset[str]], bool] = field(default_factory=dict)
     _row: dict[tuple[str, Form], int | None] = field(default_factory=dict)
@@ -181,7 +140,14 @@ class Places:
 
     def element(self, access: Access, run: Run) -> Place:
         """The element that an access of a statement touches in an iteration."""
-        subscripts = tuple(one.substituted(self.at(run)) for one in access.subscripts)
+        key = id(access), id(run)
+        if key not in self._elements:
+            self._elements[key] = self._element(access, run)
+        return self._elements[key]
+
+    def _element(self, access: Access, run: Run) -> Place:
+        at = self.at(run)
+        subscripts = tuple(one.substituted(at) for one in access.subscripts)
         if access.array not in self.rows:
             return Place(access.array, subscripts)
         row = self._row_of(access.array, run)
@@ -222,22 +188,36 @@ class Places:
 
     def is_masked(self, item: Code) -> bool:
         """Whether it runs without a branch, under guards; a statement by itself does."""
-        return isinstance(item, Run) or (self.masks and is_maskable(item))
+        return isinstance(item, Run) or (self.masks and self.runs(item) is not None)
 
-    def guarded(self, code: Iterable[Code]) -> Iterator[tuple[Run, Guard]]:
-        """All iterations of statements with their guards; one in a branch may run anywhere."""
-        for item in code:
-            if self.is_masked(item):
-                yield from masked(item)
-            elif isinstance(item, For):
-                yield from self.guarded(item.body)
-            elif isinstance(item, If):
-                yield from self.guarded((*item.then, *item.otherwise))
+    def runs(self, item: Code) -> tuple[tuple[Run, Guard], ...] | None:
+        """The iterations of statements in it, each with its guard, if it `is_maskable`."""
+        if id(item) not in self._runs:
+            self._runs[id(item)] = tuple(masked(item)) if is_maskable(item) else None
+        return self._runs[id(item)]
 
     def accessed(self, code: Iterable[Code]) -> Accessed:
-        """What code accesses, loops and branches in it included."""
+        """What code accesses, loops and branches in it included; what is in a branch may run
+        anywhere.
+        """
         result = Accessed()
-        for run, guard in self.guarded(code):
+        for item in code:
+            result.add_all(self.accessed_in(item))
+        return result
+
+    def accessed_in(self, item: Code) -> Accessed:
+        """As `accessed`, of one loop, branch or statement: nobody may change it."""
+        if id(item) not in self._touched:
+            if self.is_masked(item):
+                self._touched[id(item)] = self._accessed_by(self.runs(item) or ())
+            elif not isinstance(item, Run):
+                inside = item.body if isinstance(item, For) else (*item.then, *item.otherwise)
+                self._touched[id(item)] = self.accessed(inside)
+        return self._touched[id(item)]
+
+    def _accessed_by(self, runs: Iterable[tuple[Run, Guard]]) -> Accessed:
+        result = Accessed()
+        for run, guard in runs:
             statement = self.statements[run.statement]
             for access in statement.accesses.values():
                 place = self.element(access, run)
@@ -431,6 +411,12 @@ class Places:
         """
         if one.owner != other.owner:
             return False
+        key = one, other, guard
+        if key not in self._met:
+            self._met[key] = self._may_meet(one, other, guard)
+        return self._met[key]
+
+    def _may_meet(self, one: Place, other: Place, guard: Guard) -> bool:
         pairs = tuple(zip(one.subscripts, other.subscripts, strict=True))
         if any(a.terms == b.terms and a.constant != b.constant for a, b in pairs):
             return False

@@ -17,8 +17,9 @@ from vividc.ssa.ir import Instr, Ref, Value
 from vividc.ssa.polyhedral.forms import ZERO
 from vividc.ssa.polyhedral.guards import Guard, both, implies
 from vividc.ssa.polyhedral.loops import Test
-from vividc.ssa.polyhedral.places import Accessed, Known, Place, Places
+from vividc.ssa.polyhedral.places import Known, Places
 from vividc.ssa.polyhedral.scop import Scop
+from vividc.ssa.polyhedral.writing.accessed import Accessed, Place
 from vividc.ssa.polyhedral.writing.words import Words
 
 
@@ -90,9 +91,9 @@ class Registers:
         """An element has a value from now on where the guard holds, to be stored as by `instr`."""
         load = self.scop.narrow.get(instr.array)
         kept = value if load is None else self.words.as_loaded(load, value)
-        for other in list(self.known):
+        for other in [one for one in self.known if one.owner == place.owner and one != place]:
             there = both(guard, self.known[other].guard)
-            if other == place or other.is_scalar or not self.places.may_meet(place, other, there):
+            if not self.places.may_meet(place, other, there):
                 continue
             if self.places.carries:
                 self.places.carried.add(other)
