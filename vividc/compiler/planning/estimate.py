@@ -366,6 +366,8 @@ class Apart:
     estimator: Estimator
     headers: frozenset[str]
     others: tuple[RegionCost, ...]
+    _rests: dict[int, tuple[Function, Function]] = field(default_factory=dict, compare=False)
+    """By the identity of the form, with the form: the same rest of it each time."""
 
     @staticmethod
     def of(
@@ -390,11 +392,18 @@ class Apart:
         self, function: Function, *hints: Mapping[str, float], room: Room | None = None
     ) -> tuple[Estimate, ...]:
         """As the estimator does of a form, for each of several hints."""
-        rest, _ = without_loops(function, self.headers) if self.others else (function, ())
+        rest = self._rest(function)
         if room is not None:
             taken = sum(cost.shape.ii for cost in self.others)
             room = replace(room, contexts=room.contexts - taken)
         return tuple(self._with_others(self.estimator.estimate(rest, one, room)) for one in hints)
+
+    def _rest(self, function: Function) -> Function:
+        if not self.others:
+            return function
+        if id(function) not in self._rests:
+            self._rests[id(function)] = function, without_loops(function, self.headers)[0]
+        return self._rests[id(function)][1]
 
     def _with_others(self, estimate: Estimate) -> Estimate:
         if not self.others:

@@ -25,7 +25,13 @@ from vividc.compiler.planning.factors import (
     halfway,
     of_group,
 )
-from vividc.compiler.planning.parts import expected_lengths, static_part, with_loops, written_orders
+from vividc.compiler.planning.parts import (
+    Regenerated,
+    expected_lengths,
+    static_part,
+    with_loops,
+    written_orders,
+)
 from vividc.compiler.planning.state import State
 from vividc.host import time_limit
 from vividc.machine.opcodes import MEMORY
@@ -205,6 +211,8 @@ class _Climb:
     _masked: dict[str, Restructured | None] = field(default_factory=dict)
     """As `_tried`: what differs in one mask from what was the best form."""
     _loops: dict[str, Loops | Refusal] = field(default_factory=dict)
+    _last: tuple[str, bool, Regenerated | Refusal] | None = None
+    """The tree that was written last, whether it carries, and its code."""
     _smaller: int = 0
     """So many of the first factors take too many contexts in an order that was tried."""
 
@@ -419,9 +427,7 @@ class _Climb:
         loops = self._loops[name]
         if isinstance(loops, Refusal) or self._is_too_large(loops):
             return None
-        given = self.state, self.scop, loops, self.symbols
-        masks, rows = has_masks(tree), rows_of(tree)
-        made = with_loops(*given, masks=masks, rows=rows, carries=carries)
+        made = self._written(name, tree, loops, carries=carries)
         if isinstance(made, Refusal):
             return None
         hints = made.state.hints
@@ -433,6 +439,17 @@ class _Climb:
         mean = math.sqrt(estimate.cycles * large.cycles)
         order, factor, carries = self.order, made.factor, made.carries
         return Restructured(made.state, estimate, order, tree, factor, mean, carries)
+
+    def _written(
+        self, name: str, tree: Loop, loops: Loops, *, carries: bool
+    ) -> Regenerated | Refusal:
+        """The state with the loops of a tree: the same one if it is asked for twice in a row."""
+        if self._last is None or self._last[:2] != (name, carries):
+            given = self.state, self.scop, loops, self.symbols
+            masks, rows = has_masks(tree), rows_of(tree)
+            made = with_loops(*given, masks=masks, rows=rows, carries=carries)
+            self._last = name, carries, made
+        return self._last[2]
 
     def _is_too_large(self, loops: Loops) -> bool:
         """Whether an innermost loop is sure to have too many operations, even if two instructions
