@@ -230,18 +230,20 @@ def _with_behind(
 ) -> Block:
     """`block` with renamed values where it reads them behind the loop."""
     phis = tuple(
-        replace(
+        changed(
             phi,
             incoming=tuple(
                 (source, _read(value, renamed) if after in above[source] else value)
                 for source, value in phi.incoming
             ),
         )
+        if any(after in above[source] for source, _ in phi.incoming)
+        else phi
         for phi in block.phis
     )
     if after in above[block.name]:
-        block = map_values(replace(block, phis=()), lambda v: _read(v, renamed))
-    return replace(block, phis=phis)
+        block = map_values(changed(block, phis=()), lambda v: _read(v, renamed))
+    return changed(block, phis=phis)
 
 
 def _is_ready(function: Function, ends: _Ends) -> bool:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Final
 
 from vividc.dfg.ir import DFG, Node
 from vividc.dfg.passes.identities import IDENTITIES
 from vividc.dfg.passes.rewrite import Rewrite, Value, change_operation, to_fixpoint
-from vividc.machine.opcodes import EXPANDED_FLOATS, PRED, SOURCES, Opcode
+from vividc.machine.opcodes import EXPANDED_FLOATS, MEMORY, PRED, SOURCES, Opcode
 from vividc.machine.semantics import SEMANTICS
 from vividc.machine.words import WORD_BITS, signed
 
@@ -27,9 +27,7 @@ def fold_constants(dfg: DFG) -> DFG:
 
 
 def _fold(rewrite: Rewrite, node: Node) -> bool:
-    if node.op in SOURCES:
-        return False
-    for rule in _RULES:  # noqa: SIM110 - the busiest loop of the passes
+    for rule in _RULES[node.op]:  # noqa: SIM110 - the busiest loop of the passes
         if rule(rewrite, node):
             return True
     return False
@@ -57,8 +55,7 @@ def _resolve_predicate(rewrite: Rewrite, node: Node) -> bool:
 
 def _evaluate(rewrite: Rewrite, node: Node) -> bool:
     """Make an operation on constants a `mov`, which stays where an operation is needed."""
-    function = None if node.op in EXPANDED_FLOATS else SEMANTICS.get(node.op)
-    if function is None or node.op is Opcode.MOV or rewrite.predicated(node.id):
+    if rewrite.predicated(node.id):
         return False
     words = []
     for port in range(node.info.arity):
@@ -66,7 +63,7 @@ def _evaluate(rewrite: Rewrite, node: Node) -> bool:
         if word is None:
             return False
         words.append(word)
-    result = Value(rewrite.constant(function(*words)))
+    result = Value(rewrite.constant(SEMANTICS[node.op](*words)))
     change_operation(rewrite, node, Opcode.MOV, [result])
     return True
 
@@ -74,12 +71,12 @@ def _evaluate(rewrite: Rewrite, node: Node) -> bool:
 def _apply_identity(rewrite: Rewrite, node: Node) -> bool:
     if rewrite.predicated(node.id):
         return False
-    return any(identity(rewrite, node) for identity in IDENTITIES.get(node.op, ()))
+    return any(identity(rewrite, node) for identity in IDENTITIES[node.op])
 
 
 def _fold_index(rewrite: Rewrite, node: Node) -> bool:
     """`x[(i + c) << s]` is offset by c << s; `x[i << k]` is shifted by k more."""
-    if not node.is_memory or rewrite.edge(node.id, 0) is None:
+    if rewrite.edge(node.id, 0) is None:
         return False
     index = rewrite.operand(node.id, 0)
     source = rewrite.nodes[index.src]
@@ -103,9 +100,19 @@ def _with_constant(node: Node, op: Opcode, word: int) -> Node | None:
     return replace(node, offset=offset) if abs(offset) < _OFFSET_LIMIT else None
 
 
-_RULES: Final[tuple[Callable[[Rewrite, Node], bool], ...]] = (
-    _resolve_predicate,
-    _evaluate,
-    _apply_identity,
-    _fold_index,
-)
+_Rule = Callable[[Rewrite, Node], bool]
+
+
+def _rules_of(op: Opcode) -> Iterator[_Rule]:
+    if op in SOURCES:
+        return
+    yield _resolve_predicate
+    if op in SEMANTICS and op not in EXPANDED_FLOATS and op is not Opcode.MOV:
+        yield _evaluate
+    if op in IDENTITIES:
+        yield _apply_identity
+    if op in MEMORY:
+        yield _fold_index
+
+
+_RULES: Final[Mapping[Opcode, tuple[_Rule, ...]]] = {op: tuple(_rules_of(op)) for op in Opcode}

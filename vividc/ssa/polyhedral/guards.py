@@ -50,7 +50,7 @@ def both(one: Guard, other: Guard) -> Guard:
 
 def implies(one: Guard, other: Guard) -> bool:
     """Whether the second is seen to hold where the first does."""
-    return both(one, other) == one
+    return not other or one == other or both(one, other) == one
 
 
 def moved(guard: Guard, at: Mapping[str, Form]) -> Guard | None:

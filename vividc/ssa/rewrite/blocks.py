@@ -6,6 +6,7 @@ from collections.abc import Mapping, Set
 from dataclasses import replace
 from operator import is_
 
+from vividc.host.once import changed
 from vividc.ssa.edit import incoming, resolved, substitute
 from vividc.ssa.flow import block_graph, predecessors
 from vividc.ssa.ir import Block, Function, Phi, Ref, Value
@@ -82,8 +83,10 @@ def _followers(function: Function, apart: Set[str]) -> dict[str, str]:
 
 def _from_ends(block: Block, end_of: Mapping[str, str]) -> Block:
     """`block` with inputs that come from the last block of a chain coming from the joined one."""
+    if all(end_of.get(name, name) == name for phi in block.phis for name, _ in phi.incoming):
+        return block
     phis = tuple(
-        replace(phi, incoming=tuple((end_of.get(name, name), v) for name, v in phi.incoming))
+        changed(phi, incoming=tuple((end_of.get(name, name), v) for name, v in phi.incoming))
         for phi in block.phis
     )
-    return replace(block, phis=phis)
+    return changed(block, phis=phis)

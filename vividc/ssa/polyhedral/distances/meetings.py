@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Final
 
@@ -107,7 +107,8 @@ class Meetings:
             found = found or self._searched(first, second, now=now)
         if found is None:
             found = Distances(int(not now), 1, assumed=True)
-        return found if self.loop is not None else replace(found, earlier=None)
+        is_loop = self.loop is not None or found.earlier is None
+        return found if is_loop else Distances(found.later, None, found.assumed)
 
     def _solved(self, first: Place, second: Place, *, now: bool) -> Distances | None:
         mine, theirs = self._linear(first), self._linear(second)
