@@ -270,8 +270,8 @@ class _Traffic:
 
     def _clashes(self) -> Iterator[Violation]:
         for (resource, slot), words in self.words.items():
-            nodes = tuple(sorted({node for node, _ in words}))
             if len(words) > 1:
+                nodes = tuple(sorted({node for node, _ in words}))
                 kind = {"link": "link", "reg": "register", "out": "output"}[resource[0]]
                 held = ", ".join(f"node {node} of cycle {time}" for node, time in sorted(words))
                 text = f"{_name(resource)} carries more than one word in slot {slot}: {held}"
