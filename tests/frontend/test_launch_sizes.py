@@ -111,6 +111,25 @@ def test_operands_of_where_that_do_not_fit_end_the_simulation() -> None:
     assert (x == -1).all()
 
 
+@pytest.mark.parametrize(("sizes", "line"), [((3, 5, 4), 2), ((3, 3, 4), 3), ((3, 5, 2), 2)])
+def test_of_two_statements_that_do_not_fit_the_first_ends_the_simulation(
+    sizes: tuple[int, ...], line: int
+) -> None:
+    """Both raise in straight code, where what is stored between them comes after the first."""
+
+    def assigned(x, y, z):
+        x[:] = y
+        x[1:] = z
+
+    program = compiled(assigned, "void(float32[::1], float32[::1], float32[::1])")
+    first = assigned.__code__.co_firstlineno
+    arrays = [np.ones(size, np.float32) for size in sizes]
+    for engine in ("native", "reference"):
+        with pytest.raises(vividc.VividcError, match="raises ValueError: cannot assign") as caught:
+            vividc.simulate(program, *arrays, engine=engine)
+        assert f".py:{first + line - 1}:" in str(caught.value)
+
+
 def counted_from_a_scalar(x, n):
     t = np.arange(n)
     x[0] = t.sum()

@@ -8,6 +8,7 @@ from typing import Final
 
 from vividc.dfg.builder import GraphBuilder, Operand
 from vividc.machine.opcodes import Opcode
+from vividc.machine.params import TRAP
 from vividc.ssa.analysis.alias import different_elements
 from vividc.ssa.polyhedral.distances.linear import Distances, Place
 from vividc.ssa.polyhedral.distances.meetings import Meetings
@@ -30,6 +31,11 @@ class Access:
         """Whether it writes."""
         return self.place.instr.op is Opcode.STORE
 
+    @property
+    def raises(self) -> bool:
+        """Whether it stands for an exception."""
+        return self.array.startswith(TRAP)
+
 
 _FOREVER: Final = 1 << 14
 """Iterations that no schedule has under way at once."""
@@ -48,11 +54,15 @@ def order_accesses(
 
     Arrays passed as different arguments do not overlap. Accesses whose distance is known keep it;
     others are kept in program order within an iteration and from each iteration to the next.
-    Accesses of different threads in a loop of theirs are independent.
+    Accesses of different threads in a loop of theirs are independent. In straight code those that
+    stand for an exception are behind all before them, and before all others: the first one counts.
     """
     header = "" if meetings.loop is None else meetings.loop.header
     for position, first in enumerate(accesses):
         for second in accesses[position if header else position + 1 :]:
+            if not header and (first.raises or second.raises):
+                builder.order(first.node, second.node, 0)
+                continue
             if first.array != second.array or not (first.is_store or second.is_store):
                 continue
             lane = first.place.instr.lane

@@ -2,7 +2,8 @@
 
 Each arm of a branch is a region of its own, with a region switch on either side and words that
 travel through constant stores. A few operations are better computed whether they are wanted or not
-(Allen et al. 1983); loads and stores get a predicate.
+(Allen et al. 1983); loads and stores get a predicate. An arm that ends with an access that stands
+for an exception is part of the block, too: no witness runs on where that happens.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
 from vividc.machine.opcodes import ELEMENTARY, MEMORY, OPCODES, Opcode, Type
+from vividc.machine.params import TRAP
 from vividc.ssa.edit import FreshIds, incoming, with_blocks
 from vividc.ssa.flow import blocks_of_pipelined_loops, predecessors
 from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Kind, Phi, Ref, Undefined, Value
@@ -22,7 +24,9 @@ _MOST_OPERATIONS = 16
 
 @dataclass(frozen=True, slots=True)
 class _Diamond:
-    """`top` branches to the arms, which are jumped over or lead to `bottom`; None: an empty arm."""
+    """`top` branches to the arms, which are jumped over, lead to `bottom`, or raise; None: an empty
+    arm.
+    """
 
     top: Block
     then: Block | None
@@ -40,7 +44,8 @@ def merge_diamonds(function: Function) -> Function:
     """The same function with every small if/else outside pipelined loops in one block.
 
     The function is normalised, and stays so. An arm qualifies if it is one block of at most
-    16 instructions, none of which is expanded later (divisions, elementary functions).
+    16 instructions, none of which is expanded later (divisions, elementary functions), and leads to
+    where the other one does, or raises what the simulator reports.
     """
     while True:
         chosen = _apart(_diamonds(function))
@@ -68,24 +73,32 @@ def _diamonds(function: Function) -> Iterator[_Diamond]:
     def arm(name: str) -> Block | None:
         block = by_name[name]
         alone = len(before[name]) == 1 and name not in pipelined
-        jumps = len(block.branch.successors) == 1 and block.branch.successors[0] not in pipelined
+        after = block.branch.successors
+        jumps = (len(after) == 1 and after[0] not in pipelined) or _raises(block)
         return block if alone and jumps and not block.phis and _is_small(block) else None
+
+    def end(arm: Block | None, name: str, otherwise: str) -> str:
+        if arm is None:
+            return name
+        return otherwise if _raises(arm) else arm.branch.successors[0]
 
     for top in function.blocks:
         targets = top.branch.successors
         if top.branch.cond is None or top.name in pipelined or targets[0] == targets[1]:
             continue
         then, other = arm(targets[0]), arm(targets[1])
-        ends = [
-            name if block is None else block.branch.successors[0]
-            for name, block in zip(targets, (then, other), strict=True)
-        ]
+        ends = [end(then, *targets), end(other, *reversed(targets))]
         if then is not None and ends[0] == targets[1]:  # if without else
             yield _Diamond(top, then, None, by_name[ends[0]])
         elif other is not None and ends[1] == targets[0]:
             yield _Diamond(top, None, other, by_name[ends[1]])
         elif then is not None and other is not None and ends[0] == ends[1]:
             yield _Diamond(top, then, other, by_name[ends[0]])
+
+
+def _raises(block: Block) -> bool:
+    """Whether it ends the kernel by an access that stands for an exception."""
+    return not block.branch.successors and any(i.array.startswith(TRAP) for i in block.instrs)
 
 
 def _is_small(block: Block) -> bool:
@@ -112,7 +125,7 @@ def _merged_blocks(diamond: _Diamond, edit: Arms) -> dict[str, Block]:
     assert cond is not None
     sources = []
     for block, taken in ((diamond.then, True), (diamond.other, False)):
-        sources.append(top.name if block is None else block.name)
+        sources.append(top.name if block is None or _raises(block) else block.name)
         if block is not None:
             edit.add(block, cond, taken=taken)
     phis = []
