@@ -30,8 +30,8 @@ from vividc.compiler.planning.explain import loop_reports
 from vividc.compiler.planning.fallback import Budget, Outcome, Race, settle
 from vividc.compiler.planning.options import FlatLoopOptions, LoopOptions, loop_options
 from vividc.compiler.planning.plan import Plan, Stage
-from vividc.compiler.planning.price import priced
 from vividc.compiler.planning.spacing import spaced
+from vividc.compiler.price import priced
 from vividc.compiler.products import demanded_products, forbidden, with_products
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.pipeline import PassOptions, optimize_kernel

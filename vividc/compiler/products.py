@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from vividc.arch import Accelerator, Fabric
-from vividc.compiler.planning.price import priced
+from vividc.compiler.price import priced
 from vividc.errors import KernelError, TimeLimit, warn
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.gemm.kernels.choice import AUTO

@@ -14,6 +14,7 @@ from vividc.compiler.planning.candidates import (
 )
 from vividc.compiler.planning.demands import obey
 from vividc.compiler.planning.estimate import Estimate, Estimator
+from vividc.compiler.planning.fit import fitted
 from vividc.compiler.planning.interleave import loops_around_waiting
 from vividc.compiler.planning.options import LoopOptions
 from vividc.compiler.planning.parts import joined_parts, static_part
@@ -121,6 +122,8 @@ def choose(
     obey(chooser)
     asked = len(chooser.stages) - 1
     if options.auto:
+        if (fitting := fitted(chooser, chooser.now)) is not None:
+            chooser.accept(fitting)
         chooser.improve_in_time()
     return Plan(tuple(chooser.stages), tuple(chooser.decisions), asked)
 
@@ -381,18 +384,9 @@ class _Chooser(Draft):
     def _flatten(self) -> None:
         """Flattens nests of two loops, then what has become one by that."""
         tried: set[str] = set()
-        while True:
-            headers = (loop.header for loop in self._outer() if loop.header not in tried)
-            header = next((item for item in headers if not self._is_refused(item)), None)
-            if header is None:
-                return
-            tried.add(header)
-            self._try(Candidate("flattening", header))
-
-    def _is_refused(self, header: str) -> bool:
-        """Whether the user wants the nest at `header` left alone."""
-        loc = self.now.state.loc(header)
-        return loc is not None and self.options.flatten.get(loc.line) is False
+        while headers := self.around_one_loop(self.now, tried):
+            tried.add(headers[0])
+            self._try(Candidate("flattening", headers[0]))
 
     def _climb(self, kind: Kind, header: str) -> None:
         """Applies the factor up to which the estimate falls; the next one, if it is a little
@@ -483,13 +477,6 @@ class _Chooser(Draft):
         for loop in loops:
             holds = any(o.header in loop.blocks and o.header != loop.header for o in loops)
             if not holds and loop.header not in self.fixed:
-                yield loop
-
-    def _outer(self) -> Iterator[Loop]:
-        loops = find_loops(self.now.state.function)
-        for loop in loops:
-            inside = [o for o in loops if o.header in loop.blocks and o.header != loop.header]
-            if len(inside) == 1 and loop.header not in self.fixed:
                 yield loop
 
 

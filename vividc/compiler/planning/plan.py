@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Hashable, Iterator
+from collections.abc import Callable, Collection, Hashable, Iterator
 from dataclasses import dataclass, field
 
 from vividc.compiler.planning.candidates import Candidate, Kind, apply
@@ -162,6 +162,24 @@ class Draft:
         )
         self.decisions.append(decision)
         return decision
+
+    def around_one_loop(self, stage: Stage, tried: Collection[str]) -> list[str]:
+        """Headers of loops that hold exactly one loop, inner ones first, without those in `tried`
+        and those of which the user has decided.
+        """
+        loops, left = find_loops(stage.state.function), {*self.fixed, *tried}
+        return [
+            loop.header
+            for loop in loops
+            if sum(other.header in loop.blocks for other in loops if other is not loop) == 1
+            and loop.header not in left
+            and not self._is_left_alone(stage, loop.header)
+        ]
+
+    def _is_left_alone(self, stage: Stage, header: str) -> bool:
+        """Whether the user wants the nest at `header` not to be flattened."""
+        loc = stage.state.loc(header)
+        return loc is not None and self.options.flatten.get(loc.line) is False
 
     def over_prange(self) -> list[str]:
         """Headers of the loops over `prange` that are in no other one."""

@@ -1,0 +1,57 @@
+"""Nests flattened until a kernel's regions fit the configuration memory.
+
+Each level of a nest takes straight regions before and behind the loops in it, of a few contexts
+each. A kernel of many small nests, as array expressions make, may take more contexts for these than
+there are; a flattened nest has none of them.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from vividc.compiler.planning.candidates import Candidate
+from vividc.compiler.planning.plan import Draft, Stage
+from vividc.compiler.planning.state import State
+
+_ROOM: Final = 0.85
+"""Share of the contexts that an estimate may take, if flattening does it: schedules take more than
+their bounds (vadv of NPBench: 397 and 440).
+"""
+
+_TOGETHER: Final = 8
+"""Nests that are flattened before the kernel is estimated again: each saves about six contexts."""
+
+
+def fitted(draft: Draft, stage: Stage) -> Stage | None:
+    """A stage that takes more contexts than there are with nests flattened, those first that take
+    fewest cycles, until it fits; None if it does not, or fits as it is.
+    """
+    most = draft.estimator.fabric.controller.contexts
+    if stage.estimate.contexts <= most:
+        return None
+    tried: set[str] = set()
+    while stage.estimate.contexts > _ROOM * most:
+        headers = sorted(draft.around_one_loop(stage, tried), key=stage.cycles_in)
+        if not headers:
+            break
+        tried |= {*headers[:_TOGETHER]}
+        stage = _flattened(draft, stage, headers[:_TOGETHER])
+    return stage if stage.estimate.contexts <= most else None
+
+
+def _flattened(draft: Draft, base: Stage, headers: list[str]) -> Stage:
+    """With these nests flattened, as far as they can be and if that takes fewer contexts."""
+    made, done = base.state, []
+    for header in headers:
+        candidate = Candidate("flattening", header)
+        state = draft.applied(made, candidate)
+        if isinstance(state, State):
+            made = state
+            done.append(candidate)
+    estimate = draft.estimator.estimate(made.function, made.hints)
+    if estimate.contexts >= base.estimate.contexts:
+        return base
+    stage = base
+    for candidate in done:
+        stage = Stage(made, estimate, draft.note(base, candidate, estimate, ""), stage)
+    return stage
