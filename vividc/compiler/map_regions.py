@@ -17,6 +17,7 @@ from vividc.compiler.delivery import deliver, with_homes
 from vividc.compiler.earlier import Earlier, posed, straight_key
 from vividc.compiler.homes import residents, variable_homes, with_residents
 from vividc.compiler.map_again import Runs, layout_for, with_fewer_cycles
+from vividc.compiler.shared_variables import with_shared_variables
 from vividc.dfg.alike import unnamed
 from vividc.dfg.ir import DFG
 from vividc.dfg.regions import Kernel, Region
@@ -141,15 +142,35 @@ def map_kernel(
         before, after = (_spans(kernel, fabric, loops) for loops in (results, chosen))
         if is_lost({index: min(span, after[index]) for index, span in before.items()}):
             return None
-        finish = partial(_with_straight, kernel, fabric, options, runs, earlier, is_lost)
-        is_crowded = any(unnamed(region.dfg) in earlier.crowded for region in kernel.regions)
-        with suppress(MappingFailed):
-            if not is_crowded:
-                return finish(chosen, "none")
-        with suppress(MappingFailed):  # what the first ones took may be what the last ones need
-            if chosen != results:
-                return finish(chosen, "frugal")
-        return finish(results, "last")
+        return _finished(kernel, fabric, options, runs, earlier, is_lost, (results, chosen))
+
+
+def _finished(
+    kernel: Kernel,
+    fabric: Fabric,
+    options: MapOptions,
+    runs: Runs | None,
+    earlier: Earlier,
+    is_lost: IsLost,
+    loops: tuple[dict[int, MapResult], dict[int, MapResult]],
+) -> tuple[Kernel, dict[int, MapResult]] | None:
+    """With straight regions beside the loops as they are chosen, or as they were mapped first if
+    that leaves more room; at last with variables that share their places.
+    """
+    first, chosen = loops
+    shared = with_shared_variables(kernel)
+    finish = partial(_with_straight, fabric, options, runs, earlier, is_lost)
+    is_crowded = any(unnamed(region.dfg) in earlier.crowded for region in kernel.regions)
+    with suppress(MappingFailed):
+        if not is_crowded:
+            return finish(kernel, chosen, "none")
+    with suppress(MappingFailed):  # what the first ones took may be what the last ones need
+        if chosen != first:
+            return finish(kernel, chosen, "frugal")
+    with suppress(MappingFailed):
+        if shared is not kernel:
+            return finish(kernel, first, "frugal")
+    return finish(shared, first, "last")
 
 
 def _spans(
@@ -181,12 +202,12 @@ def _bounds(kernel: Kernel, fabric: Fabric) -> dict[int, tuple[int, int]]:
 
 
 def _with_straight(
-    kernel: Kernel,
     fabric: Fabric,
     options: MapOptions,
     runs: Runs | None,
     earlier: Earlier,
     is_lost: IsLost,
+    kernel: Kernel,
     results: dict[int, MapResult],
     thrift: _Thrift,
 ) -> tuple[Kernel, dict[int, MapResult]] | None:
