@@ -23,13 +23,13 @@ from vividc.ssa.edit import (
     substitute,
 )
 from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Phi, Ref, Value
-from vividc.ssa.polyhedral.guards import ALWAYS, Guard, implies, moved, names_of
+from vividc.ssa.polyhedral.guards import ALWAYS, Accessed, Guard, implies, moved, names_of
 from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run
 from vividc.ssa.polyhedral.places import Known, Places, Rotated, Stream
 from vividc.ssa.polyhedral.relations import Rows
 from vividc.ssa.polyhedral.rows import arrays_of_rows
 from vividc.ssa.polyhedral.scop import Scop
-from vividc.ssa.polyhedral.writing.accessed import Accessed, Place
+from vividc.ssa.polyhedral.subscripts import Place
 from vividc.ssa.polyhedral.writing.registers import Registers, Unkept
 from vividc.ssa.polyhedral.writing.words import Words
 from vividc.ssa.rewrite.refusal import Refusal

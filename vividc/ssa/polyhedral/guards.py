@@ -1,15 +1,19 @@
 """Guards: tests under which iterations run masked instead of in branches of their own.
 
 What a masked iteration computes counts only where its guard holds: it loads and stores under a
-predicate, and the arithmetic between runs in any case.
+predicate, and the arithmetic between runs in any case. `Accessed`: what code loads and stores, and
+under which guards.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
+from vividc.ssa.ir import Instr
 from vividc.ssa.polyhedral.forms import Form
 from vividc.ssa.polyhedral.loops import Code, For, If, Run, Test
+from vividc.ssa.polyhedral.subscripts import Place
 
 Guard = frozenset[Form]
 """All of these are at least 0; none follows from another one."""
@@ -86,3 +90,41 @@ def masked(item: Code, guard: Guard = ALWAYS) -> Iterator[tuple[Run, Guard]]:
         assert inside is not None
         for child in item.then:
             yield from masked(child, both(guard, inside))
+
+
+@dataclass
+class Accessed:
+    """What code accesses: whether it writes a place, a load of it if there is one, and the guards
+    of its accesses.
+    """
+
+    written: dict[Place, bool] = field(default_factory=dict)
+    loads: dict[Place, Instr] = field(default_factory=dict)
+    guards: dict[Place, set[Guard]] = field(default_factory=dict)
+
+    def add(self, place: Place, guard: Guard, *, written: bool) -> None:
+        """One more access."""
+        self.written[place] = self.written.get(place, False) or written
+        self.guards.setdefault(place, set()).add(guard)
+
+    def add_all(self, other: Accessed) -> None:
+        """What other code accesses, too."""
+        written, guards = self.written, self.guards
+        for place, is_written in other.written.items():
+            if place in written:
+                written[place] = written[place] or is_written
+                guards[place] |= other.guards[place]
+            else:
+                written[place] = is_written
+                guards[place] = set(other.guards[place])
+        for place, load in other.loads.items():
+            self.loads.setdefault(place, load)
+
+    def widest(self, place: Place) -> Guard | None:
+        """The guard that holds wherever a place is accessed, if one of its accesses has it."""
+        guards = self.guards[place]
+        return next((one for one in guards if all(implies(other, one) for other in guards)), None)
+
+    def is_sure(self, place: Place, guard: Guard) -> bool:
+        """Whether a place is accessed wherever a guard holds."""
+        return any(implies(guard, other) for other in self.guards.get(place, ()))

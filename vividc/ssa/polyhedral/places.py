@@ -12,6 +12,7 @@ from vividc.ssa.ir import Instr, Value
 from vividc.ssa.polyhedral.forms import Form, symbol, zeros
 from vividc.ssa.polyhedral.guards import (
     ALWAYS,
+    Accessed,
     Guard,
     both,
     implies,
@@ -24,8 +25,7 @@ from vividc.ssa.polyhedral.loops import Code, For, Loops, Quotient, Run, fors_in
 from vividc.ssa.polyhedral.relations import Relations, Rows
 from vividc.ssa.polyhedral.rows import names_of_rows
 from vividc.ssa.polyhedral.scop import Scop, Statement
-from vividc.ssa.polyhedral.subscripts import Access
-from vividc.ssa.polyhedral.writing.accessed import Accessed, Place
+from vividc.ssa.polyhedral.subscripts import Access, Place
 
 _KEPT = 1 << 14
 """So many sets of which it is known whether they are empty: a text of 200 bytes each."""

@@ -1,9 +1,10 @@
-"""Accesses, and their subscripts, recovered from flat indices."""
+"""Accesses, the places that they touch, and their subscripts, recovered from flat indices."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from vividc.host.once import once_within
 from vividc.machine.opcodes import MEMORY, Opcode, Type
@@ -25,6 +26,35 @@ class Access:
     def is_store(self) -> bool:
         """Whether it writes."""
         return self.instr.op is Opcode.STORE
+
+
+@dataclass(frozen=True)
+class Place:
+    """A scalar (by the id of its value) or an element of an array (by name)."""
+
+    owner: str | int
+    subscripts: tuple[Form, ...]
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        return hash((self.owner, self.subscripts))
+
+    @cached_property
+    def is_scalar(self) -> bool:
+        """Whether it has no place in memory."""
+        return isinstance(self.owner, int)
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """What its subscripts are made of."""
+        return frozenset(name for form in self.subscripts for name in form.names)
+
+    def at(self, forms: Mapping[str, Form]) -> Place:
+        """The place with forms in place of names."""
+        return Place(self.owner, tuple(one.substituted(forms) for one in self.subscripts))
 
 
 def element_bytes(instr: Instr) -> int:

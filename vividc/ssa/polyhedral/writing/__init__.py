@@ -1,3 +1,3 @@
-"""What loops are written with. In order: `accessed` (places that code loads, stores, computes),
-`words` (integers as instructions), `registers` (values of places, loads and stores).
+"""What loops are written with. In order: `words` (integers as instructions), `registers` (values of
+places, loads and stores).
 """

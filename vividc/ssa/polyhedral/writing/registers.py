@@ -15,11 +15,11 @@ from functools import partial, reduce
 from vividc.machine.opcodes import Opcode, Type
 from vividc.ssa.ir import Instr, Ref, Value
 from vividc.ssa.polyhedral.forms import ZERO
-from vividc.ssa.polyhedral.guards import Guard, both, implies
+from vividc.ssa.polyhedral.guards import Accessed, Guard, both, implies
 from vividc.ssa.polyhedral.loops import Test
 from vividc.ssa.polyhedral.places import Known, Places
 from vividc.ssa.polyhedral.scop import Scop
-from vividc.ssa.polyhedral.writing.accessed import Accessed, Place
+from vividc.ssa.polyhedral.subscripts import Place
 from vividc.ssa.polyhedral.writing.words import Words
 
 

@@ -15,8 +15,7 @@ from vividc.ssa.ir import Const, Input, Instr, Ref, Value, is_dimension, pitch_o
 from vividc.ssa.polyhedral.forms import Form
 from vividc.ssa.polyhedral.loops import Quotient, Test
 from vividc.ssa.polyhedral.relations import LARGE
-from vividc.ssa.polyhedral.subscripts import element_bytes
-from vividc.ssa.polyhedral.writing.accessed import Place
+from vividc.ssa.polyhedral.subscripts import Place, element_bytes
 
 _LARGEST_DIVIDEND = (1 << 31) - 1
 
