@@ -158,7 +158,6 @@ def _finished(
     that leaves more room; at last with variables that share their places.
     """
     first, chosen = loops
-    shared = with_shared_variables(kernel)
     finish = partial(_with_straight, fabric, options, runs, earlier, is_lost)
     is_crowded = any(unnamed(region.dfg) in earlier.crowded for region in kernel.regions)
     with suppress(MappingFailed):
@@ -168,9 +167,8 @@ def _finished(
         if chosen != first:
             return finish(kernel, chosen, "frugal")
     with suppress(MappingFailed):
-        if shared is not kernel:
-            return finish(kernel, first, "frugal")
-    return finish(shared, first, "last")
+        return finish(kernel, first, "frugal")
+    return finish(with_shared_variables(kernel), first, "last")
 
 
 def _spans(

@@ -1,5 +1,6 @@
 """What a fabric offers to operations and words, and what a graph asks of it.
 
-In order: `dependences`, `distances`, `mrrg` (the modulo routing resource graph), `plain_core`;
-`registers` (allocation), `moved_words` (where words are moved for it), `fu_slots`, `banks`.
+In order: `arrays` (in which compiled functions read both), `dependences`, `distances`, `mrrg` (the
+modulo routing resource graph), `plain_core`; `registers` (allocation), `moved_words` (where words
+are moved for it), `fu_slots`, `banks`.
 """

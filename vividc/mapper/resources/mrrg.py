@@ -20,14 +20,11 @@ from functools import cached_property
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vividc.arch.fabric import Fabric
 from vividc.host.once import once_each
+from vividc.mapper.resources.arrays import Bytes, Ints, Rows
 from vividc.mapper.resources.distances import FAR
-
-Ints = NDArray[np.int64]
-Bits = NDArray[np.uint8]
 
 NONE: Final = -1
 """No resource."""
@@ -54,26 +51,6 @@ class Spot:
 
     kind: Literal["link", "reg", "out"]
     index: int
-
-
-@dataclass(frozen=True, slots=True)
-class Rows:
-    """A list of int64 for each of n things: row i is items[begin[i] : begin[i + 1]]."""
-
-    begin: Ints
-    items: Ints
-
-    @staticmethod
-    def of(rows: Iterable[Iterable[int]]) -> Rows:
-        """Pack rows of numbers."""
-        packed = [list(row) for row in rows]
-        begin = np.zeros(len(packed) + 1, dtype=np.int64)
-        begin[1:] = np.cumsum([len(row) for row in packed])
-        return Rows(begin, np.array([i for row in packed for i in row], dtype=np.int64))
-
-    def __getitem__(self, row: int) -> list[int]:
-        """One row."""
-        return [int(i) for i in self.items[self.begin[row] : self.begin[row + 1]]]
 
 
 @dataclass(frozen=True)
@@ -126,9 +103,9 @@ class MRRG:
     leaving: Ints
     entries: Rows
     moves: Rows
-    keeps: Bits
+    keeps: Bytes
     sides: Rows
-    aside: Bits
+    aside: Bytes
     readers: Rows
     fresh: Ints
 
@@ -324,7 +301,7 @@ class _Builder:
         return [reader for reader, seen in enumerate(self.fabric.outputs_seen_by) if pe in seen]
 
 
-def _bits(values: Iterable[bool]) -> Bits:
+def _bits(values: Iterable[bool]) -> Bytes:
     return np.array(list(values), dtype=np.uint8)
 
 

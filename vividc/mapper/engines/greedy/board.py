@@ -13,8 +13,7 @@ import numpy as np
 
 from vividc.mapper.engines.greedy.compiled import inlined
 from vividc.mapper.engines.greedy.task import Task
-from vividc.mapper.engines.negotiate.arrays import Ints2
-from vividc.mapper.resources.mrrg import Ints
+from vividc.mapper.resources.arrays import Ints, Ints2
 
 NONE: Final = -1
 CHANGES, FULL = 0, 1

@@ -7,11 +7,10 @@ from typing import NamedTuple
 from vividc.mapper.engines.greedy.board import FULL, PARKED
 from vividc.mapper.engines.greedy.compiled import compiled, inlined
 from vividc.mapper.engines.greedy.placing import Pass, meeting, place
-from vividc.mapper.engines.negotiate.arrays import Floats
-from vividc.mapper.resources.mrrg import Ints
+from vividc.mapper.resources.arrays import Floats, Ints
 
 READY, PLACED = 0, 1
-"""Positions in `Turn.count`."""
+"""Positions in `Turn.counts`."""
 GOING, DONE, LONG, NO_ROOM, STUCK = -1, -2, -3, -4, 0
 """How a pass stands: there are nodes to be placed; there are none; it takes too many cycles; the
 board is too small; from `STUCK` on, the number of a node without a place.

@@ -9,8 +9,8 @@ from vividc.mapper.engines.greedy.compiled import inlined
 from vividc.mapper.engines.greedy.search import LINK_COST, Search, hops_from, route, word_of
 from vividc.mapper.engines.greedy.task import CONTROL, LIVE_OUT, MEMORY, Task
 from vividc.mapper.engines.greedy.words import Ways, park, settle
+from vividc.mapper.resources.arrays import Ints
 from vividc.mapper.resources.distances import FAR
-from vividc.mapper.resources.mrrg import Ints
 
 PATIENCE: Final = 8
 """Cycles by which a node may be late on one PE before the others are asked again."""

@@ -26,13 +26,12 @@ from vividc.mapper.engines.greedy.placing import PATIENCE, Options, Pass, Rules,
 from vividc.mapper.engines.greedy.search import new_search
 from vividc.mapper.engines.greedy.task import Task, build_task
 from vividc.mapper.engines.greedy.words import Ways, cycles_to_park
-from vividc.mapper.engines.negotiate.arrays import ints
 from vividc.mapper.engines.refusals import Stuck
 from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.mapper.problem import MapProblem
+from vividc.mapper.resources.arrays import Ints, ints
 from vividc.mapper.resources.banks import Meets
 from vividc.mapper.resources.distances import FAR
-from vividc.mapper.resources.mrrg import Ints
 
 _BATCH: Final = 200
 """Placements that are tried before the clock is looked at again: some 5 ms."""

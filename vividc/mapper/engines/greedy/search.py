@@ -21,8 +21,7 @@ from vividc.mapper.engines.greedy.words import (
     read,
     word_at,
 )
-from vividc.mapper.engines.negotiate.arrays import Ints2
-from vividc.mapper.resources.mrrg import Ints
+from vividc.mapper.resources.arrays import Ints, Ints2
 
 LINK_COST: Final = 4
 """Of a cycle in which a word takes a link that it does not take already."""

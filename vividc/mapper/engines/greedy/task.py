@@ -13,11 +13,10 @@ from vividc.dfg.ir import DFG, EdgeKind, Node
 from vividc.host.once import once_each
 from vividc.machine.opcodes import Opcode
 from vividc.mapper.bounds.straight import Heights, end_after_start
-from vividc.mapper.engines.negotiate.arrays import Bytes2, Floats2, Ints2, ints
 from vividc.mapper.problem import ConstantKey, MapProblem
+from vividc.mapper.resources.arrays import Bytes2, Floats2, Ints, Ints2, Rows, ints
 from vividc.mapper.resources.banks import Meets
 from vividc.mapper.resources.distances import FAR, hop_distances
-from vividc.mapper.resources.mrrg import Ints, Rows
 
 LIVE_OUT, MEMORY, CONTROL = 1, 2, 4
 """Bits of `Nodes.kind`."""

@@ -21,7 +21,7 @@ from vividc.mapper.engines.greedy.board import (
 )
 from vividc.mapper.engines.greedy.compiled import inlined
 from vividc.mapper.engines.greedy.task import Grid, Task
-from vividc.mapper.engines.negotiate.arrays import Ints2
+from vividc.mapper.resources.arrays import Ints2
 
 RES: Final = -1
 """Stands for the FU's result where the place of a word's driver is named."""

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vividc.mapper.engines.negotiate.arrays import Floats, Task
+from vividc.mapper.engines.negotiate.arrays import Task
 from vividc.mapper.engines.negotiate.compiled import compiled, inlined
 from vividc.mapper.engines.negotiate.motion import (
     BROKEN,
@@ -46,7 +46,7 @@ from vividc.mapper.engines.negotiate.motion import (
 )
 from vividc.mapper.engines.negotiate.places import Places, draw, excess, window
 from vividc.mapper.engines.negotiate.words import Words
-from vividc.mapper.resources.mrrg import Ints
+from vividc.mapper.resources.arrays import Floats, Ints
 
 _FOCUS, _LOOKS = 60, 8
 """Of 100 moves, which look for a node that breaks something, and at how many: of 153 annealings of

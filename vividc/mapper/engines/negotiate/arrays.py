@@ -2,29 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import Annotated, NamedTuple, TypeAlias
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vividc.dfg.ir import Node
 from vividc.machine.opcodes import Opcode
 from vividc.mapper.engines.negotiate.frame import Frame
 from vividc.mapper.problem import ConstantKey, MapProblem
+from vividc.mapper.resources.arrays import Bytes, Bytes2, Floats3, Ints, Ints2, Rows, ints
 from vividc.mapper.resources.banks import Meetings
 from vividc.mapper.resources.dependences import Dependence, dependences
 from vividc.mapper.resources.distances import hop_distances
-from vividc.mapper.resources.mrrg import MRRG, Ints, Rows
-
-Floats: TypeAlias = NDArray[np.float64]
-Bytes: TypeAlias = NDArray[np.uint8]
-Ints2: TypeAlias = Annotated[Ints, 2]
-Ints3: TypeAlias = Annotated[Ints, 3]
-Floats2: TypeAlias = Annotated[Floats, 2]
-Floats3: TypeAlias = Annotated[Floats, 3]
-Bytes2: TypeAlias = Annotated[Bytes, 2]
-"""Of so many dimensions, for the compiler; others have one."""
+from vividc.mapper.resources.mrrg import MRRG
 
 
 class Nodes(NamedTuple):
@@ -246,8 +237,3 @@ def _array(problem: MapProblem, ii: int, graph: MRRG, keys: dict[ConstantKey, in
         stored=ints(len(there) for there in resident),
         held=held,
     )
-
-
-def ints(values: Iterable[int]) -> Ints:
-    """An int64 array."""
-    return np.fromiter(values, dtype=np.int64)

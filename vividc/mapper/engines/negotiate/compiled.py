@@ -1,4 +1,4 @@
-"""The only place where the mapper deals with machine code, that of the annealer and router."""
+"""Where the annealer and the router meet machine code."""
 
 from __future__ import annotations
 

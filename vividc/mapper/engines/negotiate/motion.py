@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vividc.mapper.engines.negotiate.arrays import FU, Array, Bytes, Edges, Floats, Ints2, Task
+from vividc.mapper.engines.negotiate.arrays import FU, Array, Edges, Task
 from vividc.mapper.engines.negotiate.compiled import inlined
 from vividc.mapper.engines.negotiate.places import Places, early, enter, excess, lie
 from vividc.mapper.engines.negotiate.words import (
@@ -18,7 +18,7 @@ from vividc.mapper.engines.negotiate.words import (
     show,
     withdraw,
 )
-from vividc.mapper.resources.mrrg import Ints
+from vividc.mapper.resources.arrays import Bytes, Floats, Ints, Ints2
 
 BROKEN, LATE, HOP, CYCLE, TIGHT = 30.0, 15.0, 1.0, 0.5, 0.7
 CELL, WAIT = 1.0, 0.1

@@ -14,7 +14,7 @@ from vividc.mapper.check.verify import violations
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.engines.negotiate import tuning
 from vividc.mapper.engines.negotiate.anneal import State, anneal, new_heat
-from vividc.mapper.engines.negotiate.arrays import Ints2, Task, build_task
+from vividc.mapper.engines.negotiate.arrays import Task, build_task
 from vividc.mapper.engines.negotiate.frame import Frame, loose_frame
 from vividc.mapper.engines.negotiate.lockstep import Steps, first_result
 from vividc.mapper.engines.negotiate.motion import new_motion
@@ -37,8 +37,9 @@ from vividc.mapper.engines.negotiate.ways import Router, route_as_shown, route_r
 from vividc.mapper.engines.negotiate.words import hide_all, new_words, show_all
 from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.mapper.problem import MapProblem
+from vividc.mapper.resources.arrays import Ints, Ints2
 from vividc.mapper.resources.moved_words import allocate_with_moves
-from vividc.mapper.resources.mrrg import MRRG, NONE, Ints, Spot, build_mrrg
+from vividc.mapper.resources.mrrg import MRRG, NONE, Spot, build_mrrg
 from vividc.mapper.resources.registers import Lifetime, allocate
 
 

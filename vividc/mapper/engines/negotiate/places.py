@@ -14,12 +14,11 @@ from vividc.mapper.engines.negotiate.arrays import (
     WRITTEN,
     Array,
     Edges,
-    Ints2,
     Nodes,
     Task,
 )
 from vividc.mapper.engines.negotiate.compiled import compiled, inlined
-from vividc.mapper.resources.mrrg import Ints
+from vividc.mapper.resources.arrays import Ints, Ints2
 
 
 class Places(NamedTuple):

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vividc.mapper.engines.negotiate.anneal import Heat, propose
-from vividc.mapper.engines.negotiate.arrays import Ints2, Ints3, Task
+from vividc.mapper.engines.negotiate.arrays import Task
 from vividc.mapper.engines.negotiate.compiled import compiled, inlined
 from vividc.mapper.engines.negotiate.motion import occupant
 from vividc.mapper.engines.negotiate.places import Places, draw, early, enter, excess, lie
@@ -26,7 +26,7 @@ from vividc.mapper.engines.negotiate.traffic import (
     rip_up,
 )
 from vividc.mapper.engines.negotiate.ways import Router, route
-from vividc.mapper.resources.mrrg import Ints
+from vividc.mapper.resources.arrays import Ints, Ints2, Ints3
 
 _CROWDED = 3.0
 _AT_CROWDED_PERCENT = 80

@@ -11,17 +11,10 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from vividc.arch.fabric import Fabric
-from vividc.mapper.engines.negotiate.arrays import (
-    Bytes,
-    Bytes2,
-    Floats,
-    Floats2,
-    Ints2,
-    Ints3,
-    Task,
-)
+from vividc.mapper.engines.negotiate.arrays import Task
 from vividc.mapper.engines.negotiate.compiled import compiled, inlined
-from vividc.mapper.resources.mrrg import MRRG, Ints, Kind
+from vividc.mapper.resources.arrays import Bytes, Bytes2, Floats, Floats2, Ints, Ints2, Ints3
+from vividc.mapper.resources.mrrg import MRRG, Kind
 
 _BASE: Final[dict[Kind, float]] = {
     "link": 1.0,

@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vividc.mapper.engines.negotiate.arrays import Array, Edges, Ints2, Ints3, Task
+from vividc.mapper.engines.negotiate.arrays import Array, Edges, Task
 from vividc.mapper.engines.negotiate.compiled import compiled, inlined
 from vividc.mapper.engines.negotiate.places import Places, count
-from vividc.mapper.resources.mrrg import Ints
+from vividc.mapper.resources.arrays import Ints, Ints2, Ints3
 
 _MOST_CELLS = 96
 MOST_HOPS = 24

@@ -23,6 +23,7 @@ from vividc.mapper.published.ims.table import ReservationTable
 from vividc.mapper.published.ims.words import Result, Words
 from vividc.mapper.published.upward import attempt_of, core_for, upward
 from vividc.mapper.request import MapRequest
+from vividc.mapper.resources.arrays import Ints
 from vividc.mapper.resources.dependences import (
     Dependence,
     dependences,
@@ -30,7 +31,7 @@ from vividc.mapper.resources.dependences import (
     longest_tails,
 )
 from vividc.mapper.resources.distances import FAR
-from vividc.mapper.resources.mrrg import MRRG, Ints, build_mrrg
+from vividc.mapper.resources.mrrg import MRRG, build_mrrg
 from vividc.mapper.result import MapResult
 from vividc.mapper.search.state import OPEN, Attempt
 from vividc.mapper.search.strategy import run
