@@ -1,15 +1,9 @@
-"""The kernel table: what each kernel maps to, how well that is proved, and how fast it is
-simulated.
-
-`make bench` runs it on `vivid-tile` and `vivid-tile-unit` and writes `benchmarks/kernels.md`,
-`benchmarks/c_kernels.md` and `benchmarks/render.md`.
-"""
+"""All published tables; `make bench` makes those that do not take long."""
 
 from __future__ import annotations
 
 import os
 import platform
-import time
 from collections.abc import Callable, Iterable, Iterator
 from importlib.metadata import version
 from pathlib import Path
@@ -19,70 +13,28 @@ import click
 import vividc
 from benchmarks import (
     PATIENCE,
-    c_kernels,
     engines,
     formats,
     frames,
     gemm,
-    general,
     graphics,
+    kernels,
     large,
     mappers,
     npbench,
     paper,
     precision,
     quality,
-    render_kernels,
     simd,
     splats,
     stages,
     start,
 )
+from benchmarks.kernels import TABLES
 from benchmarks.polybench import table as polybench
 from benchmarks.polybench.suite import CASES, SIZES
-from benchmarks.workloads import WORKLOADS, Workload, transformations
 from vividc.host.files import write_whole
 from vividc.paper.scenes import METHODS
-
-HEADER = (
-    "| kernel | hot loop ops | ResMII | RecMII | II | status | utilisation | all regions (cycles) "
-    "| compile s | simulated cycles | as written | gain | transformations | simulated cycles/s |\n"
-    "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
-)
-
-
-def row(workload: Workload, fabric: str, time_limit_s: float) -> str:
-    """One line of the table, with the cycles of the kernel with and without loop transformations.
-
-    The hot loop is the last innermost loop, or of transformed ones the one with most operations.
-    """
-    plain = vividc.compile(
-        workload.kernel(),
-        fabric=fabric,
-        time_limit_s=time_limit_s,
-        loops=vividc.LoopOptions(auto=False),
-    )
-    written = vividc.simulate(plain, *workload.fresh()).cycles
-    start = time.perf_counter()
-    program = vividc.compile(workload.kernel(), fabric=fabric, time_limit_s=time_limit_s)
-    compile_s = time.perf_counter() - start
-    start = time.perf_counter()
-    result = vividc.simulate(program, *workload.fresh(), engine="reference")
-    simulate_s = time.perf_counter() - start
-    loops = [region for region in program.regions if region.kind == "loop"]
-    done = transformations(program)
-    loop = max(loops, key=lambda region: region.operations) if done and loops else None
-    loop = loop or (loops or program.regions)[-1]
-    bounds = {bound.name: bound.ii for bound in loop.bounds}
-    res = max(ii for name, ii in bounds.items() if name != "RecMII")
-    status = f"{loop.status}, by the clock" if program.hurried else loop.status
-    lengths = "+".join(str(region.ii) for region in program.regions)
-    return (
-        f"| {workload.name} | {loop.operations} | {res} | {bounds.get('RecMII', 1)} | {loop.ii} "
-        f"| {status} | {loop.utilization:.0%} | {lengths} | {compile_s:.1f} "
-        f"| {result.cycles:,} | {written:,} | {written / result.cycles:.2f} | {done or '-'} "
-        f"| {result.cycles / simulate_s:,.0f} |"
-    )
 
 
 def machine() -> Iterator[str]:
@@ -92,13 +44,6 @@ def machine() -> Iterator[str]:
     yield f"- machine: {platform.machine()}, {os.cpu_count()} cores, Python {python}"
     versions = ", ".join(f"{package} {version(package)}" for package in packages)
     yield f"- vividc {vividc.__version__}, {versions}"
-
-
-TABLES: dict[str, tuple[str, tuple[Workload, ...]]] = {
-    "kernels": ("Kernels on one tile", (*WORKLOADS, *general.WORKLOADS)),
-    "render": ("Stages of the renderers on one tile", render_kernels.WORKLOADS),
-    "c_kernels": ("C kernels on one tile", c_kernels.WORKLOADS),
-}
 
 
 ENGINES = "engines"
@@ -163,9 +108,7 @@ def lines_of(table: str, fabric: str, time_limit_s: float) -> Iterator[str]:
         yield from MODULES[table].HEADER.splitlines()
         yield from ROWS[table](fabric, time_limit_s)
         return
-    yield from HEADER.splitlines()
-    for workload in TABLES[table][1]:
-        yield row(workload, fabric, time_limit_s)
+    yield from kernels.lines(table, fabric, time_limit_s)
 
 
 @click.command()
@@ -272,8 +215,8 @@ def _print_table(
     command += "" if table in PLACES else f" {on} --time-limit {time_limit:g}"
     made = f"`{command}` (`make bench`)" if table in DEFAULT else f"`{command}`"
     lines = [f"# {title}", "", f"Made by {made}.", "", *machine(), ""]
-    if table in MODULES:
-        lines += [*MODULES[table].NOTES, ""]
+    notes = MODULES[table].NOTES if table in MODULES else kernels.NOTES
+    lines += [*notes, ""]
     for fabric in PLACES.get(table, fabrics):
         lines += [f"## {fabric}", ""]
         click.echo("\n".join(lines[-2:]))

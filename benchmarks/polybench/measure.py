@@ -11,10 +11,10 @@ import numpy as np
 
 import vividc
 from benchmarks import PATIENCE
+from benchmarks.kernels import predicted
 from benchmarks.polybench.suite import CASES, FABRICS, MEDIUM, Case
 from benchmarks.polybench.trace import traced
 from benchmarks.workloads import transformations
-from vividc.compiler.planning.estimate import RegionCost, Shape
 from vividc.errors import InternalError, VividcError
 from vividc.program import Program
 from vividc.program.tables import RegionReport
@@ -196,18 +196,6 @@ def _with_hot(row: Row, hot: RegionReport) -> Row:
         rec_mii=bounds.get("RecMII"),
         assumed=hot.rests_on_assumed,
     )
-
-
-def predicted(program: Program, stats: Stats) -> float:
-    """The estimate's cycles of a run, by what each region takes and how often it ran."""
-    total = float(stats["switch_cycles"])
-    for row, report, region in zip(program.table, program.regions, stats["regions"], strict=True):
-        runs = region["entries"]
-        trips = region["iterations"] / runs if runs and row.kind == "loop" else 1.0
-        span = row.span if row.kind == "loop" else row.ii
-        shape = Shape(row.ii, span, report.operations, stalls=report.stalls)
-        total += RegionCost(report.name, row.kind, shape, runs, trips).cycles
-    return total
 
 
 def _explained(program: Program) -> int | None:

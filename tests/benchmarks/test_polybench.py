@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import vividc
+from benchmarks.kernels import predicted
 from benchmarks.polybench import table
-from benchmarks.polybench.measure import RTOL, Row, largest_error, measured, predicted
+from benchmarks.polybench.measure import RTOL, Row, largest_error, measured
 from benchmarks.polybench.suite import CASES, IMAGES, MINI, POLYBENCH, SMALL
 from vividc import arch
 from vividc.errors import KernelError

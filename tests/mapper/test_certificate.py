@@ -166,7 +166,7 @@ LAST = max(place.time for place in RESULT.mapping.places.values()) if RESULT.map
         ({"bounds": (Bound("RecMII", 3, "r", (0, 1, 2), (0, 1, 2), 1),)}, ""),
         ({"bounds": (Bound("RecMII", 3, "r", (0, 1, 2)),)}, ""),
         ({"bounds": (*RESULT.bounds, Bound("ResMII", 1, "r", (0,), (0,)))}, "edges and a distance"),
-        ({"objective": Objective("hops", 0, None, None, 9)}, "hops 0: the mapping has"),
+        ({"objective": Objective("hops", 9, None, None, 9)}, "hops 9: the mapping has"),
         ({"objective": Objective("beauty", 0, None, None, 9)}, "no objective is called beauty"),
         ({"objective": Objective("added objective", 0, None, None, 9)}, "nothing was added"),
         ({"objective": Objective("hops", None, None, 1, 9)}, "this one has None"),

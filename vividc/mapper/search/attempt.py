@@ -21,7 +21,7 @@ from vividc.mapper.engines.cpsat import (
     schedule,
     windowed,
 )
-from vividc.mapper.engines.negotiate import Effort, negotiate
+from vividc.mapper.engines.negotiate import Effort, least_span, negotiate, tight_frame
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
 from vividc.mapper.resources.plain_core import named_anew, unrotated
@@ -91,11 +91,21 @@ def map_negotiated(
     deadline: Deadline,
     seed: int,
     effort: Effort | None = None,
+    longer: int | None = None,
 ) -> Attempt:
-    """Anneal places and negotiate routes, without a solver."""
+    """Anneal places and negotiate routes, without a solver; `longer`: iterations take at most so
+    many cycles more than dependences do (none: somewhat more).
+    """
     request.tell(f"II {ii}: annealing places, negotiating routes")
     core = replace(problem, fabric=unrotated(problem.fabric))
-    mapping = negotiate(core, ii, seed, deadline, effort, SEEDS_IN_STEP, request.workers)
+    frame = None
+    if longer is not None:
+        frame = tight_frame(core, ii, least_span(core, ii) + longer)
+        if frame is None:
+            return OPEN
+    mapping = negotiate(
+        core, ii, seed, deadline, effort, SEEDS_IN_STEP, request.workers, frame=frame
+    )
     return OPEN if mapping is None else Attempt(mapping=named_anew(problem, mapping))
 
 

@@ -113,10 +113,19 @@ def solve_only_for_a_turn(search: IISearch) -> None:
     search.try_ii(search.only_ii, first_turn(search.request))
 
 
-def negotiate(search: IISearch, ii: int, seed: int, effort: Effort, share: float = 1.0) -> Attempt:
-    """Negotiate an II, with a share of the time that is left at most."""
+def negotiate(
+    search: IISearch,
+    ii: int,
+    seed: int,
+    effort: Effort,
+    share: float = 1.0,
+    longer: int | None = None,
+) -> Attempt:
+    """Negotiate an II, with a share of the time that is left at most; `longer`: see
+    `map_negotiated`.
+    """
     deadline = search.deadline.within(share * search.deadline.remaining_s)
-    attempt = map_negotiated(search.problem, ii, search.request, deadline, seed, effort)
+    attempt = map_negotiated(search.problem, ii, search.request, deadline, seed, effort, longer)
     search.record(ii, attempt)
     return attempt
 

@@ -22,18 +22,23 @@ from vividc.mapper.search.tuning import (
     MOBILITY_STEPS,
     NEGOTIATED_GRAPH,
     QUICK,
+    SHORT,
     WARM_START_LEAST_S,
     WARM_START_SHARE,
 )
 
 
 def negotiate_at_bound(search: IISearch) -> None:
-    """One quick negotiation at the bound, of graphs that are not quite small: where it maps them,
-    it takes a twentieth of what constraints do.
+    """Quick negotiations at the bound: where one maps the graph, it takes a twentieth of what
+    constraints do. Iterations are to be as short as dependences allow, or little longer, those of
+    graphs that are not quite small of any length at last.
     """
-    fits = search.lower <= ii_limit(search.problem)
-    if fits and len(search.problem.dfg.placed) >= NEGOTIATED_GRAPH:
-        negotiate(search, search.lower, 1, QUICK)
+    if search.lower > ii_limit(search.problem):
+        return
+    any_length = len(search.problem.dfg.placed) >= NEGOTIATED_GRAPH
+    for longer in (*SHORT, None) if any_length else SHORT:
+        if negotiate(search, search.lower, 1, QUICK, longer=longer).mapping is not None:
+            return
 
 
 def solve_at_bound(search: IISearch) -> None:

@@ -51,14 +51,15 @@ def tight_frame(
     problem: MapProblem, ii: int, span: int, meetings: Meetings = NO_MEETINGS
 ) -> Frame | None:
     """Iterations of `span` cycles, from the first issue to the last completion; None: dependences
-    take more. Each node leaves room for what depends on it.
+    take more, or stages would not do. Each node leaves room for what depends on it.
     """
     deps = dependences(problem.dfg, problem.fabric)
     ends = {node.id: end_after_start(problem.fabric, node) for node in problem.dfg.placed}
     first, tails = earliest_starts(ends, deps, ii), _tails(ends, deps, ii)
     if first is None or tails is None:
         return None
-    last = {node: span - tails[node] for node in ends}
+    latest = ii * problem.fabric.controller.max_stages - 1
+    last = {node: min(span - tails[node], latest) for node in ends}
     if any(first[node] > last[node] for node in ends):
         return None
     return Frame(first, last, meetings)

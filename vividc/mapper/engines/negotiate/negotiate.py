@@ -62,7 +62,8 @@ def negotiate(
     effort = effort or Effort()
     deadline.charge(tuning.BEGIN_S)
     frame = loose_frame(problem, ii) if frame is None else frame
-    if frame is None or not all(problem.candidates(node) for node in problem.dfg.placed):
+    nodes = problem.dfg.placed
+    if frame is None or not nodes or not all(problem.candidates(node) for node in nodes):
         return None
     seeds = range(seed, seed + tuning.SEED_STEP * sides, tuning.SEED_STEP)
     attempts = [Negotiation(problem, ii, frame, one) for one in seeds]
