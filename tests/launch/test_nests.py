@@ -51,6 +51,20 @@ def two_fields(source, x, y):
                 x[i, j] -= y[i + 1, j] ^ y[i, j + 1]
 
 
+@vividc.kernel(f"void(int32, {C}, {C})")
+def two_volumes(steps, x, y):
+    """Planes of three dimensions, there and back."""
+    for t in range(steps):
+        for i in range(1, x.shape[0] - 1):
+            for j in range(x.shape[1]):
+                for k in range(x.shape[2]):
+                    y[i, j, k] = x[i - 1, j, k] - 2 * x[i, j, k] + x[i + 1, j, k]
+        for i in range(1, x.shape[0] - 1):
+            for j in range(x.shape[1]):
+                for k in range(x.shape[2]):
+                    x[i, j, k] = y[i - 1, j, k] - 2 * y[i, j, k] + y[i + 1, j, k]
+
+
 @vividc.kernel(f"void({M}, {V})")
 def columns(x, sums):
     for j in range(x.shape[1]):
@@ -257,15 +271,31 @@ def test_rows_of_less_than_words_have_no_pitch_in_blocks() -> None:
 
 
 @pytest.mark.parametrize(
-    ("kernel", "shapes"),
-    [(blur, [(200, 1024)] * 2), (two_fields, [(9,), (100, 300), (100, 300)])],
-    ids=["one nest", "nests in time"],
+    ("kernel", "scalars", "shapes"),
+    [
+        (blur, (), [(200, 1024)] * 2),
+        (two_fields, (), [(9,), (100, 300), (100, 300)]),
+        (two_volumes, (5,), [(40, 40, 40)] * 2),
+    ],
+    ids=["one nest", "nests in time", "blocks that are no multiple of the tiles"],
 )
 def test_the_prediction_is_near(
-    kernel: vividc.KernelFunction, shapes: list[tuple[int, ...]]
+    kernel: vividc.KernelFunction, scalars: tuple[int, ...], shapes: list[tuple[int, ...]]
 ) -> None:
-    """The next nest's program and first blocks come while the one before runs."""
-    args = tuple(ints(*shape) for shape in shapes)
+    """The next nest's program and first blocks come while the one before runs, and tiles that are
+    done with one begin the next.
+    """
+    args = (*scalars, *(ints(*shape) for shape in shapes))
     expected = nests_cycles(program(kernel), args, {}, "vivid")
     cycles = vividc.simulate(program(kernel), *args, fabric="vivid").cycles
     assert 0.85 < expected / cycles < 1.15
+
+
+def test_what_few_iterations_of_fit_a_block_is_not_run_several_at_once() -> None:
+    """A plane of a volume or some rows of a matrix fit a scratchpad: eight at once would be mostly
+    idle.
+    """
+    compiled = vividc.compile(two_volumes, fabric="vivid", effort="fast")
+    arrays = [ints(40, 40, 40) for _ in range(2)]
+    job = nests_job(compiled, (1, *arrays), {}, "vivid")
+    assert job.simulate().stats["operations"]["store"] == 2 * 38 * 40**2

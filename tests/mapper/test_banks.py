@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 import vividc
 from vividc.arch.fabric import Scratchpad
-from vividc.dfg.ir import DFG, AddressForm, Edge, Node
-from vividc.machine.opcodes import PRED, Opcode
+from vividc.dfg.ir import DFG, AddressForm, Edge, EdgeKind, Node
+from vividc.machine.opcodes import ORDER, PRED, Opcode
 from vividc.mapper.resources.banks import Traffic, best_layout, best_starts, words_of
 
 PAD = Scratchpad(4096, 4)
@@ -92,6 +92,16 @@ def test_what_is_predicated_stalls_less() -> None:
     sometimes = Traffic.of(graph(*forms, guarded=(2, 3)), PAD, 1, times).stalls()
     assert always == 2.0
     assert sometimes == pytest.approx(1.5, abs=0.1)
+
+
+@pytest.mark.parametrize("ordered", [False, True], ids=["arms of a branch", "one after another"])
+def test_of_stores_to_one_element_that_are_in_no_order_one_is_made(ordered: bool) -> None:
+    arms = graph(at(0), at(0), at(32), guarded=(1, 2, 3))
+    nodes = tuple(replace(n, op=Opcode.STORE, name="a") if n.id else n for n in arms.nodes)
+    order = (Edge(1, 2, ORDER, kind=EdgeKind.ORDER),) if ordered else ()
+    dfg = replace(arms, nodes=nodes, edges=(*arms.edges, *order))
+    stalls = Traffic.of(dfg, PAD, 1, {1: 0, 2: 0, 3: 2}).stalls()
+    assert stalls == pytest.approx(1.5 if ordered else 0.75, abs=0.1)
 
 
 def test_accesses_of_straight_code_meet_as_their_rows_do() -> None:

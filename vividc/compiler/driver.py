@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial, wraps
 from typing import Unpack
@@ -58,6 +58,7 @@ from vividc.mapper.request import Mapper
 from vividc.program import CUT_SHORT, Program, encode
 from vividc.program.encoder.encode import check_contexts, with_designs
 from vividc.program.encoder.programmable import demand_programmable
+from vividc.ssa.analysis.frequency import NO_TRIPS
 from vividc.ssa.formats.in_format import in_format
 from vividc.ssa.formats.precision import (
     FormatChoices,
@@ -214,10 +215,10 @@ def _compiled(
     program = place.read()
     machine = loaded.fabric if isinstance(loaded, Accelerator) else loaded
 
-    def one(nest: Function, limit_s: float) -> Program:
+    def one(nest: Function, trips: Mapping[str, float], limit_s: float) -> Program:
         with watch.aside():
             shared = replace(options, time_limit_s=limit_s)
-            return compile_stages(nest, machine, shared, frozenset(), "all")
+            return compile_stages(nest, machine, shared, frozenset(), "all", trips)
 
     if program is None:
         reason = forbidden(options.contract, options.precision)
@@ -312,12 +313,13 @@ def compile_stages(
     options: CompileOptions,
     parallel: frozenset[int],
     spaces: Spaces,
+    trips: Mapping[str, float] = NO_TRIPS,
 ) -> Program:
     """The program of the plan's best stage that can be mapped; `spaces`: of which matrices rows
-    may lie further apart than they are long.
+    may lie further apart than they are long; `trips`: see `choose`.
     """
     estimator = replace(estimator_for(fabric, options), spaces=spaces)
-    plan = planned(function, estimator, options, parallel)
+    plan = planned(function, estimator, options, parallel, trips)
     earlier = Earlier()
 
     def attempt(stage: Stage, last_resort: bool, below: float) -> Outcome | None:
@@ -349,11 +351,15 @@ def estimator_for(fabric: Fabric, options: CompileOptions) -> Estimator:
 
 
 def planned(
-    function: Function, estimator: Estimator, options: CompileOptions, parallel: frozenset[int]
+    function: Function,
+    estimator: Estimator,
+    options: CompileOptions,
+    parallel: frozenset[int],
+    trips: Mapping[str, float] = NO_TRIPS,
 ) -> Plan:
     """The plan for a lowered function: what is mapped first, and what instead."""
     function = run_passes(_before_planning(options), function)
-    return timed("choose", partial(choose, function, estimator, options.loops, parallel))
+    return timed("choose", partial(choose, function, estimator, options.loops, parallel, trips))
 
 
 def _before_planning(options: CompileOptions) -> Iterator[Callable[[Function], Function]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from vividc.compiler.planning.candidates import (
@@ -26,7 +26,7 @@ from vividc.host import time_limit
 from vividc.host.watch import seldom
 from vividc.mapper.bounds.refutations import ASSUMED
 from vividc.ssa.analysis.constant_trips import constant_trips
-from vividc.ssa.analysis.frequency import expected_trips
+from vividc.ssa.analysis.frequency import NO_TRIPS, expected_trips
 from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.ir import Function
 from vividc.ssa.parallel.independent import meeting_array
@@ -96,6 +96,7 @@ def choose(
     estimator: Estimator,
     options: LoopOptions,
     parallel: Collection[int] = (),
+    trips: Mapping[str, float] = NO_TRIPS,
 ) -> Plan:
     """The transformations of `function` that pay, or that the user asks for.
 
@@ -103,6 +104,8 @@ def choose(
     ----------
     parallel
         Lines of the function's file in which a loop over `prange` begins.
+    trips
+        Iterations expected of loops, by header, of which more is known than the function says.
 
     Raises
     ------
@@ -113,7 +116,7 @@ def choose(
         threads, and there is no loop over `prange`.
     """
     tidied = tidy(function)
-    hints = expected_trips(tidied, {})  # of the loops as written: transformations keep to it
+    hints = expected_trips(tidied, trips)  # of the loops as written: transformations keep to it
     first = Stage(State(function, hints), estimator.estimate(function, hints))
     if options.idle:
         return Plan((first,))

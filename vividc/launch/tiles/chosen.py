@@ -25,10 +25,6 @@ from vividc.sim.footprint.boxes import Block
 from vividc.sim.run import CYCLE_LIMIT
 from vividc.sim.tile import shared_tile
 
-_SHARED = 4
-"""Times the cycles of DRAM's channel that a transfer takes while all engines are at work: a tile
-with one place of blocks computes nothing meanwhile (blur of 1024x1024: 3 to 4).
-"""
 _MOST_RUNS = 16
 """Ways to cut a nest that are tried: those that move least."""
 _MOST_PLANS = 4
@@ -47,7 +43,9 @@ class Chosen:
         Cycles in which it waits for the first and the last blocks, where nothing comes before and
         after this nest.
     computing
-        Cycles of the tile with most runs.
+        Cycles of each tile, if runs are shared evenly.
+    uneven
+        By how many more the tile with most runs takes.
     configuring
         Cycles in which all tiles get the program.
     """
@@ -56,6 +54,7 @@ class Chosen:
     channel: int
     ends: int
     computing: int
+    uneven: int
     configuring: int
 
 
@@ -72,13 +71,13 @@ def chosen(launch: NestLaunch) -> Chosen:
         first, last = launch.bounds
         if first < last:
             raise refusal(launch)
-        return Chosen(BlockPlan((), (), {}), 0, 0, 0, 0)
+        return Chosen(BlockPlan((), (), {}), 0, 0, 0, 0, 0)
     expected: list[tuple[float, Choice]] = []
     least = float("inf")
     for choice in choices:
         if choice.channel >= least or len(expected) == _MOST_RUNS:
             break
-        cycles = max(choice.channel, _computing(launch, choice))
+        cycles = max(choice.channel, sum(_computing(launch, choice)))
         expected.append((cycles, choice))
         least = min(least, cycles)
     ranked = [choice for _, choice in sorted(expected)]
@@ -93,21 +92,40 @@ def _chosen(launch: NestLaunch, choice: Choice, plan: BlockPlan) -> Chosen:
     machine = launch.machine
     tiles = min(len(machine.tiles), len(plan.blocks))
     entries = tiles * len(launch.program.fabric.pes) * len(launch.program.words)
+    computing, uneven = _computing(launch, choice)
     return Chosen(
         plan,
         round(choice.moved),
         round(choice.channel - choice.moved),
-        round(_computing(launch, choice)),
+        round(computing),
+        round(uneven),
         entries // machine.configuration.entries_per_cycle,
     )
 
 
-def _computing(launch: NestLaunch, choice: Choice) -> float:
-    """Cycles of the tile with most runs, with what it waits for transfers of its own."""
+def _computing(launch: NestLaunch, choice: Choice) -> tuple[float, float]:
+    """Cycles of each tile, with what it waits for transfers of its own, if runs are shared evenly;
+    and by how many more the tile with most runs takes.
+    """
     count, block = middle_block(launch, choice)
-    moved = choice.channel / count  # the scratchpad's banks are taken for as long as the channel
-    run = _run_cycles(launch, block) + moved * (_SHARED if choice.places == 1 else 1)
-    return run * -(-count // len(launch.machine.tiles))
+    moved = choice.moved / count  # the scratchpad's banks are taken for as long as the channel
+    run, tiles = _run_cycles(launch, block), len(launch.machine.tiles)
+    if choice.places == 1:  # nothing is computed meanwhile
+        moved = _waited(run, moved, min(tiles, count))
+    even = (run + moved) * count / tiles
+    return even, (run + moved) * -(-count // tiles) - even
+
+
+def _waited(run: float, moved: float, tiles: int) -> float:
+    """Cycles from when a tile asks for a transfer, which takes DRAM's channel `moved` cycles, until
+    it has it: as many tiles ask after each run, and one waits for another (mean values of a closed
+    queue; Reiser and Lavenberg, 1980).
+    """
+    asking = waited = 0.0
+    for number in range(1, tiles + 1):
+        waited = moved * (1 + asking)
+        asking = number * waited / (run + waited) if waited else 0.0
+    return waited
 
 
 def _run_cycles(launch: NestLaunch, block: Block) -> int:

@@ -187,8 +187,10 @@ class _Builder:
         return self._job
 
     def predicted(self, runs: Iterable[Run]) -> int:
-        """Cycles of all these nests: while one runs, the next one's program and blocks come."""
-        total, ends, held = 0, 0, -1
+        """Cycles of all these nests: while one runs, the next one's program and blocks come, and
+        tiles that are done with one begin the next.
+        """
+        total, ends, uneven, held = 0, 0, 0, -1
         for number, counters in runs:
             _, one = self._chosen(number, _words(counters))
             configuring = one.configuring if number != held else 0
@@ -197,8 +199,8 @@ class _Builder:
             cycles = max(one.channel, one.computing, configuring)
             total += cycles
             ends = max(ends, one.channel + one.ends - cycles)
-            held = number
-        return total + ends
+            uneven, held = one.uneven, number
+        return total + max(ends, uneven)
 
     def _chosen(self, number: int, counters: ReadOnly[str, int]) -> tuple[NestLaunch, Chosen]:
         """A run of a nest, and how it is cut; one that depends on no counter, once."""

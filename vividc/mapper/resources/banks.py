@@ -8,7 +8,7 @@ same ones in every run.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from random import Random
@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.arch.fabric import Scratchpad
-from vividc.dfg.ir import CHANGES, DFG, Node
-from vividc.machine.opcodes import PRED
+from vividc.dfg.ir import CHANGES, DFG, Node, is_order
+from vividc.machine.opcodes import PRED, Opcode
 from vividc.machine.words import WORD_BYTES
 from vividc.ssa.analysis.polynomial import ITERATION
 from vividc.ssa.ir import Input, is_dimension, is_pitch, pitch_of
@@ -64,7 +64,7 @@ _NOISE: Final = 0.05
 """The same of a pitch."""
 
 _BUSY: Final = 0.002
-"""Share of all accesses that a region has to make to count when the layout is improved."""
+"""Share of all accesses that a region makes at least to count when the layout is improved."""
 
 _FEW: Final = 0.01
 """Share of the cycles up to which stalls are no reason to look for another layout."""
@@ -108,6 +108,8 @@ class Traffic:
 
     Attributes
     ----------
+    predicated
+        By id of an access that has a predicate: which of how many alternatives it is.
     ii
         Cycles between iterations; of straight code, its length.
     times
@@ -119,7 +121,7 @@ class Traffic:
     """
 
     accesses: tuple[Node, ...]
-    predicated: frozenset[int]
+    predicated: Mapping[int, tuple[int, int]]
     banks: int
     ii: int
     times: Mapping[int, int] | None = None
@@ -138,8 +140,9 @@ class Traffic:
     ) -> Traffic:
         """That of a graph."""
         accesses = tuple(node for node in dfg.nodes if node.is_memory)
-        predicated = {n.id for n in accesses if dfg.operand(n.id, PRED) is not None}
-        return Traffic(accesses, frozenset(predicated), scratchpad.banks, ii, times, weight)
+        predicated = [node for node in accesses if dfg.operand(node.id, PRED) is not None]
+        arms = _alternatives(dfg, predicated)
+        return Traffic(accesses, arms, scratchpad.banks, ii, times, weight)
 
     def stalls(self, known: Words = NOTHING, among: Collection[str] | None = None) -> float:
         """Cycles of an iteration in which the tile stands still, the mean of what is drawn; of the
@@ -184,9 +187,7 @@ class Traffic:
         """What is idle lies in a bank of its own."""
         stage = _chosen(f"stage {node.id}", _STAGES)
         bank = _bank(node, stage, self.banks, known, is_mapped=False)
-        if node.id not in self.predicated:
-            return bank
-        return np.where(_drawn("predicate", _IDLE) == 0, self.banks, bank)
+        return np.where(self._idle(node), self.banks, bank)
 
     def _spread_slots(self, banks: _Draws) -> _Draws:
         """The slot of each access (by row) for each choice, one after the other, as mappers place
@@ -240,15 +241,13 @@ class Traffic:
         if self.times is None or not self.accesses:
             return NO_MEETINGS
         stages = 2 + max(self.times.values()) // self.ii
-        idle = _drawn("predicate", _IDLE) == 0
         banks = np.zeros((len(self.accesses), stages, _DRAWN), np.int64)
         for number, node in enumerate(self.accesses):
+            idle = self._idle(node)
             for stage in range(stages):
                 later = np.full(_DRAWN, stage)
                 bank = _bank(node, later, self.banks, known, is_mapped=True)
-                if node.id in self.predicated:  # while idle, none of the others' banks
-                    bank = np.where(idle, -1 - number, bank)
-                banks[number, stage] = bank
+                banks[number, stage] = np.where(idle, -1 - number, bank)  # none of the others'
         later = (banks[:, None, :, :] == banks[None, :, :1, :]).mean(axis=3)
         earlier = later.transpose(1, 0, 2)[:, :, :0:-1]
         return Meetings(
@@ -273,13 +272,10 @@ class Traffic:
 
     def _side_by_side(self, known: Words) -> NDArray[np.float64]:
         """How often each two accesses of one cycle meet, outside of loops."""
-        idle = _drawn("predicate", _IDLE) == 0
         banks = np.zeros((len(self.accesses), _DRAWN), np.int64)
         for number, node in enumerate(self.accesses):
             bank = _bank(node, np.zeros(_DRAWN, np.int64), self.banks, known, is_mapped=True)
-            if node.id in self.predicated:  # while idle, none of the others' banks
-                bank = np.where(idle, -1 - number, bank)
-            banks[number] = bank
+            banks[number] = np.where(self._idle(node), -1 - number, bank)  # none of the others'
         often = np.zeros((len(banks), len(banks)))
         for number, bank in enumerate(banks):
             often[number] = (banks == bank).mean(axis=1)
@@ -305,15 +301,35 @@ class Traffic:
             stage, fixed = (np.full(_DRAWN, n) for n in divmod(self.times[node.id], self.ii))
             slot = fixed
         bank = _bank(node, stage, self.banks, known, is_mapped=self.times is not None)
-        places = slot * self.banks + bank
+        return np.where(self._idle(node), self.ii * self.banks, slot * self.banks + bank)
+
+    def _idle(self, node: Node) -> NDArray[np.bool_]:
+        """In which draws an access is not made."""
         if node.id not in self.predicated:
-            return places
-        return np.where(_drawn("predicate", _IDLE) == 0, self.ii * self.banks, places)
+            return np.zeros(_DRAWN, np.bool_)
+        number, count = self.predicated[node.id]
+        made = _drawn("alternative", count) == number
+        return np.asarray(~made | (_drawn("predicate", _IDLE) == 0))
+
+
+def _alternatives(dfg: DFG, predicated: Sequence[Node]) -> dict[int, tuple[int, int]]:
+    """See `Traffic.predicated`. Stores to one element are in order, but for those of which at most
+    one is made: arms of a branch.
+    """
+    ordered = [{edge.src, edge.dst} for edge in dfg.edges if is_order(edge)]
+    groups: dict[Hashable, list[Node]] = {}
+    for node in predicated:
+        is_store = node.op is Opcode.STORE and node.address is not None
+        group = groups.setdefault((node.name, node.address) if is_store else node.id, [])
+        if any({one.id, node.id} in ordered for one in group):
+            group = groups.setdefault(node.id, [])
+        group.append(node)
+    return {n.id: (at, len(group)) for group in groups.values() for at, n in enumerate(group)}
 
 
 def _waits(places: _Draws, buckets: int, banks: int) -> _Draws:
-    """Cycles that a tile stands still in each draw, as accesses (by row) lie in these buckets of
-    `banks` each; what lies in the one behind them is idle.
+    """Cycles that a tile stands still in each draw, as accesses (by row) lie in these buckets,
+    `banks` a slot; what lies behind them is idle.
     """
     apart = places + np.arange(_DRAWN) * (buckets + 1)
     counts = np.bincount(apart.ravel(), minlength=_DRAWN * (buckets + 1))

@@ -38,6 +38,7 @@ _DEEPEST: Final = 8
 _MOST_EVALUATED = 64
 
 NO_CHANCES: Final[Mapping[str, float]] = MappingProxyType({})
+NO_TRIPS: Final[Mapping[str, float]] = MappingProxyType({})
 
 
 def expected_trips(function: Function, hints: Mapping[str, float]) -> dict[str, float]:
