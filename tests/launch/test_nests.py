@@ -54,7 +54,7 @@ def two_fields(source, x, y):
 @vividc.kernel(f"void(int32, {C}, {C})")
 def two_volumes(steps, x, y):
     """Planes of three dimensions, there and back."""
-    for t in range(steps):
+    for _ in range(steps):
         for i in range(1, x.shape[0] - 1):
             for j in range(x.shape[1]):
                 for k in range(x.shape[2]):

@@ -65,8 +65,8 @@ def test_a_stage_that_does_not_map_gives_way_to_the_one_before() -> None:
     assert "too slow" in settled.dropped[2]
 
 
-def test_a_reserve_is_mapped_only_if_the_stage_after_it_is_not() -> None:
-    first, reserve, best = made(100, 20, 25).stages
+def test_a_reserve_is_mapped_if_the_stage_after_it_is_not_or_comes_out_slower() -> None:
+    first, reserve, best = made(100, 24, 25).stages
     stages = Plan((first, replace(reserve, reserve=True), best))
     assert settle(stages, lambda stage, *_: fake(stage, stage.estimate.cycles)).index == 2
 
@@ -76,6 +76,12 @@ def test_a_reserve_is_mapped_only_if_the_stage_after_it_is_not() -> None:
         return fake(stage, stage.estimate.cycles)
 
     assert settle(stages, attempt).index == 1
+    for achieved, index in ((26, 2), (40, 1)):
+        came_out = {id(best): achieved, id(stages.stages[1]): 24, id(first): 100}
+        settled = settle(
+            stages, lambda stage, *_, came_out=came_out: fake(stage, came_out[id(stage)])
+        )
+        assert settled.index == index
 
 
 def test_a_stage_that_turns_out_slower_gives_way() -> None:

@@ -24,6 +24,10 @@ _STAGE_S = 25.0
 """A stage of transformed loops is given up after so long, and an earlier one mapped instead."""
 
 
+_HOPEFUL = 0.9
+"""Of the cycles achieved: what is in reserve is mapped, too, if it is expected to take so few."""
+
+
 @dataclass(frozen=True, slots=True)
 class Budget:
     """Effort for all stages together, and the part of it that transformed ones may use."""
@@ -135,7 +139,7 @@ def settle(plan: Plan, attempt: Attempt) -> Settled:
     best: Settled | None = None
     dropped: dict[int, str] = {}
     for index in reversed(range(len(plan.stages))):
-        if best is not None and plan.stages[index].reserve:
+        if best is not None and not _is_worth_it(plan.stages[index], best):
             continue
         try:
             outcome = attempt(plan.stages[index], index == 0, _below(best))
@@ -151,10 +155,17 @@ def settle(plan: Plan, attempt: Attempt) -> Settled:
         assert best is not None
         if index <= plan.asked:  # what the user asks for need not pay
             break
-        if _rank(best.outcome) <= (False, _least(plan, index)):
+        if _rank(best.outcome) <= (False, _least(plan, index, best)):
             break
     assert best is not None
     return best
+
+
+def _is_worth_it(stage: Stage, best: Settled) -> bool:
+    """What is in reserve is mapped, too, where the better stage by estimate came out much slower
+    than the one in reserve is expected to be.
+    """
+    return not stage.reserve or stage.estimate.cycles < _HOPEFUL * best.outcome.achieved.cycles
 
 
 def _below(best: Settled | None) -> float:
@@ -173,7 +184,7 @@ def _rank(outcome: Outcome) -> tuple[bool, float]:
     return outcome.stage.estimate.hottest in outcome.sequential, outcome.achieved.cycles
 
 
-def _least(plan: Plan, index: int) -> float:
-    """Cycles that no stage before this one can go below."""
-    before = (stage for stage in plan.stages[plan.asked : index] if not stage.reserve)
+def _least(plan: Plan, index: int, best: Settled) -> float:
+    """Cycles that no stage before this one that is worth it can go below."""
+    before = (stage for stage in plan.stages[plan.asked : index] if _is_worth_it(stage, best))
     return min(stage.estimate.least for stage in before)

@@ -48,8 +48,8 @@ class Decision:
 class Stage:
     """A function to map, its estimate, and the decision that made it of the stage `base`.
 
-    `reserve`: the next stage is better by estimate; this one takes fewer contexts, and is for when
-    that cannot be mapped.
+    `reserve`: the next stage is better by estimate; this one takes fewer contexts, or little more,
+    and is for when that cannot be mapped or comes out much slower.
     """
 
     state: State
