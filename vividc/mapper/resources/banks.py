@@ -316,12 +316,12 @@ def _alternatives(dfg: DFG, predicated: Sequence[Node]) -> dict[int, tuple[int, 
     """See `Traffic.predicated`. Stores to one element are in order, but for those of which at most
     one is made: arms of a branch.
     """
-    ordered = [{edge.src, edge.dst} for edge in dfg.edges if is_order(edge)]
+    ordered = {frozenset({edge.src, edge.dst}) for edge in dfg.edges if is_order(edge)}
     groups: dict[Hashable, list[Node]] = {}
     for node in predicated:
         is_store = node.op is Opcode.STORE and node.address is not None
         group = groups.setdefault((node.name, node.address) if is_store else node.id, [])
-        if any({one.id, node.id} in ordered for one in group):
+        if any(frozenset({one.id, node.id}) in ordered for one in group):
             group = groups.setdefault(node.id, [])
         group.append(node)
     return {n.id: (at, len(group)) for group in groups.values() for at, n in enumerate(group)}
