@@ -316,7 +316,7 @@ def _alternatives(dfg: DFG, predicated: Sequence[Node]) -> dict[int, tuple[int, 
     """See `Traffic.predicated`. Stores to one element are in order, but for those of which at most
     one is made: arms of a branch.
     """
-    ordered = {frozenset({edge.src, edge.dst}) for edge in dfg.edges if is_order(edge)}
+    ordered = {frozenset({e.src, e.dst}) for e in dfg.edges if is_order(e) and not e.distance}
     groups: dict[Hashable, list[Node]] = {}
     for node in predicated:
         is_store = node.op is Opcode.STORE and node.address is not None
