@@ -32,6 +32,7 @@ NOTES: Final = """\
 - hot loop: the last innermost loop, or of transformed ones the one with most operations.
 - predicted: the estimate's formula, with IIs, spans and expected bank stalls as mapped and the
   trips of the run, over the simulated cycles.
+- compile s: seconds of processor time; simulated cycles/s: of the reference engine, likewise.
 - as written: cycles without transformations of loops; gain: over the simulated ones.
 """.splitlines()
 
@@ -46,7 +47,7 @@ class Measured:
     Attributes
     ----------
     compile_s
-        Seconds of the clock.
+        Seconds of processor time.
     predicted
         Cycles by the estimate's formula over simulated ones.
     gain
@@ -79,12 +80,12 @@ def measured(workload: Workload, fabric: str, time_limit_s: float) -> Measured:
         loops=vividc.LoopOptions(auto=False),
     )
     written = vividc.simulate(plain, *workload.fresh()).cycles
-    start = time.perf_counter()
+    start = time.process_time()
     program = vividc.compile(workload.kernel(), fabric=fabric, time_limit_s=time_limit_s)
-    compile_s = time.perf_counter() - start
-    start = time.perf_counter()
+    compile_s = time.process_time() - start
+    start = time.process_time()
     result = vividc.simulate(program, *workload.fresh(), engine="reference")
-    simulate_s = time.perf_counter() - start
+    simulate_s = time.process_time() - start
     share = predicted(program, result.stats) / result.cycles
     cells = [
         workload.name,
