@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from tests.mapper.graphs import GraphBuilder, chain
@@ -51,6 +53,17 @@ def test_a_frame_is_not_shorter_than_the_longest_path() -> None:
     problem = problem_of(chain(4))
     assert tight_frame(problem, 1, 4) is not None
     assert tight_frame(problem, 1, 3) is None
+
+
+def test_a_frame_is_not_longer_than_all_stages() -> None:
+    problem = problem_of(chain(9))
+    few = replace(problem.fabric.controller, max_stages=3)
+    assert tight_frame(problem, 1, 9) is not None
+    short = replace(problem, fabric=replace(problem.fabric, controller=few))
+    assert tight_frame(short, 1, 9) is None
+    frame = tight_frame(short, 4, 20)
+    assert frame is not None
+    assert max(frame.last.values()) == 11
 
 
 def test_a_recurrence_does_not_count_twice() -> None:

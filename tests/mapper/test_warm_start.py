@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import pytest
 
-from tests.mapper.graphs import chain
+from tests.mapper.graphs import accumulator, chain
 from tests.mapper.random_graphs import random_loop
 from tests.mapper.tiny_fabrics import tiny_fabric
 from vividc import arch
 from vividc.dfg.ir import DFG
 from vividc.mapper import map_dfg
 from vividc.mapper.bounds.bounds import all_bounds, mii
+from vividc.mapper.bounds.straight import end_after_start
 from vividc.mapper.check.verify import verify
 from vividc.mapper.deadline import Deadline
+from vividc.mapper.engines.negotiate import least_span
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
 from vividc.mapper.search.attempt import needs_warm_start
 from vividc.mapper.search.climb import climb
 from vividc.mapper.search.state import OPEN, Attempt, IISearch
-from vividc.mapper.search.warm_start import warm_start
+from vividc.mapper.search.tuning import SHORT
+from vividc.mapper.search.warm_start import negotiate_at_bound, warm_start
 
 
 def started(fabric: str, dfg: DFG) -> IISearch:
@@ -56,6 +59,21 @@ def test_a_warm_start_leaves_time_for_the_search() -> None:
 
 def test_small_graphs_on_plain_fabrics_need_none() -> None:
     assert not needs_warm_start(MapProblem(random_loop(3, 18), arch.load("mesh-4x4")))
+
+
+@pytest.mark.parametrize("dfg", [chain(9), accumulator(), random_loop(3, 12)], ids=lambda g: g.name)
+def test_iterations_of_small_graphs_are_as_short_as_dependences_allow(dfg: DFG) -> None:
+    search = started("vivid-tile", dfg)
+    negotiate_at_bound(search)
+    made = search.incumbent
+    assert made is not None
+    assert made.ii == search.lower
+    assert verify(dfg, search.problem.fabric, made) == []
+    ends = (
+        place.time + end_after_start(search.problem.fabric, dfg.by_id[node])
+        for node, place in made.places.items()
+    )
+    assert max(ends) <= least_span(search.problem, made.ii) + max(SHORT)
 
 
 def test_no_warm_start_beyond_the_configuration_memory() -> None:

@@ -1,6 +1,6 @@
-"""A first mapping of a small graph, found quickly where the constraints take long.
+"""A first mapping of a small graph, found quickly: at the bound, or where constraints take long.
 
-A warm start gives only an incumbent: the IIs below it are tried and refuted as ever.
+That gives only an incumbent: the IIs below it are tried and refuted as ever.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Place and route by annealing and negotiation, for graphs too large to be solved in time.
+"""Place and route by annealing and negotiation: large graphs, and small ones at their bound.
 
 In order: `compiled` (where machine code is met), `frame` (between which cycles), `arrays` (the
 problem), `places`, `words`, `motion`, `anneal`; `traffic`, `ways`, `repair` (with routes);
