@@ -17,7 +17,7 @@ from vividc.dfg.passes import (
     recognize_min_max,
     remove_dead_nodes,
 )
-from vividc.dfg.passes.balance import pass_for
+from vividc.dfg.passes.balance import pass_for, rebalance_sums_of_loops
 from vividc.dfg.regions import Kernel
 from vividc.errors import InternalError
 from vividc.host import time_limit
@@ -53,7 +53,10 @@ def pipeline(options: PassOptions) -> tuple[Pass, ...]:
     if options.contract:
         passes.append(contract_fma)
     # After contraction: a select whose arm is an accumulating FMA becomes a predicated FMA.
-    passes += [fold_selects, fold_constants, eliminate_common_subexpressions, remove_dead_nodes]
+    passes.append(fold_selects)
+    if options.reassociate:
+        passes.append(rebalance_sums_of_loops)
+    passes += [fold_constants, eliminate_common_subexpressions, remove_dead_nodes]
     return tuple(passes)
 
 
