@@ -56,9 +56,11 @@ class EdgeKind(Named):
 AddressForm = tuple[tuple[tuple[str, ...], int], ...]
 """A byte address as a sum of products of words, each with its factor: the number of the iteration
 (`polynomial.ITERATION`), inputs by key, words that no iteration changes by any name, and words that
-each iteration has anew by names that begin with `CHANGES`.
+each iteration has anew by names that begin with `CHANGES`; of these, by names that begin with
+`FROM_END`, what a subscript that might be negative is counted from, which is expected to be 0.
 """
 CHANGES: Final = "~"
+FROM_END: Final = f"{CHANGES}end "
 
 
 @made_soon

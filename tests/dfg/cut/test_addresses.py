@@ -165,3 +165,18 @@ def test_a_stride_costs_one_addition(kernel: Any, additions: int) -> None:
 )
 def test_only_real_dependences_bind(kernel: Any, ii: int) -> None:
     assert mii(all_bounds(MapProblem(loop(kernel), arch.load("vivid-tile")))) == ii
+
+
+@vividc.kernel("void(float32[::1], float32[::1], int32)")
+def two_ahead(x, y, n):
+    for i in range(n):
+        y[i] = x[i + 2] + x[i]
+
+
+def test_subscripts_that_might_be_negative_are_expected_not_to_be() -> None:
+    """Where the end is added to a negative one, banks are chosen for those that are not."""
+    x = np.arange(42, dtype=np.float32)
+    y = np.zeros(40, np.float32)
+    result = vividc.simulate(vividc.compile(two_ahead), x, y, np.int32(40))
+    assert np.array_equal(y, x[2:] + x[:-2])
+    assert result.stats["stalls"]["bank_conflict"] == 0

@@ -9,7 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from vividc.dfg.ir import CHANGES, AddressForm
+from vividc.dfg.ir import CHANGES, FROM_END, AddressForm
+from vividc.machine.opcodes import Opcode
 from vividc.ssa.analysis.induction import induction_of, is_invariant
 from vividc.ssa.analysis.polynomial import (
     ITERATION,
@@ -78,6 +79,9 @@ class AddressForms:
         if isinstance(value, Input):
             settled = self.function.settled(value)
             return constant(settled.word) if isinstance(settled, Const) else symbol(settled)
+        item = definition_of(self.function, value)
+        if isinstance(item, Instr) and _is_end_of_negative(self.function, item):
+            return symbol(Input(f"{FROM_END}{value}"))
         parts = self._subscripts.polynomial(value)
         if parts != symbol(value):
             return self._taken_apart(parts)
@@ -98,6 +102,16 @@ class AddressForms:
             return symbol(value)
         counted = symbol(Input(f"{loop.header} {ITERATION.key}")).times(constant(induction.step))
         return self._value(induction.start).plus(counted)
+
+
+def _is_end_of_negative(function: Function, instr: Instr) -> bool:
+    """Whether it is what a subscript is counted from: the array's length where it is negative."""
+    if instr.op is not Opcode.SELECT:
+        return False
+    test = definition_of(function, instr.operands[0])
+    if not isinstance(test, Instr) or test.op is not Opcode.ICMP_SLT:
+        return False
+    return test.operands[1] == instr.operands[2] == Const(0)
 
 
 def _name(value: Value) -> str:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.arch.fabric import Scratchpad
-from vividc.dfg.ir import CHANGES, DFG, Node, is_order
+from vividc.dfg.ir import CHANGES, DFG, FROM_END, Node, is_order
 from vividc.machine.opcodes import PRED, Opcode
 from vividc.machine.words import WORD_BYTES
 from vividc.ssa.analysis.polynomial import ITERATION
@@ -467,7 +467,9 @@ def _bank(node: Node, stage: _Draws, banks: int, known: Words, *, is_mapped: boo
         product = np.full(_DRAWN, factor % around)
         for word in words:
             value = known.get(word, _unknown(word, around))
-            if word.startswith(CHANGES) and is_mapped:
+            if word.startswith(FROM_END):
+                value = np.zeros(_DRAWN, np.int64)
+            elif word.startswith(CHANGES) and is_mapped:
                 value = _drawn(f"{word} {stage[0]}", around)
             if word == ITERATION.key:
                 value = value - stage
