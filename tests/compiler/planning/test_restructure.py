@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from tests.ssa.polyhedral.test_generate import demand_same
 from vividc import arch
 from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.estimate import Estimator
-from vividc.compiler.planning.factors import halfway
+from vividc.compiler.planning.factors import crowded, more
 from vividc.compiler.planning.options import LoopOptions
 from vividc.dfg.pipeline import PassOptions
 from vividc.machine.opcodes import Opcode
@@ -144,8 +145,9 @@ def test_more_random_nests(seed: int) -> None:
 @pytest.mark.parametrize(
     ("cycles", "between"),
     [
-        ({4: 10.0, 8: math.inf}, [6]),
-        ({4: 10.0, 8: math.inf, 6: math.inf}, [5]),
+        ({4: 10.0, 2: 12.0, 8: math.inf}, [6]),
+        ({4: 10.0, 8: math.inf}, [2]),
+        ({4: 10.0, 2: 12.0, 8: math.inf, 6: math.inf}, [5]),
         ({4: 10.0, 8: math.inf, 6: 9.0}, [7]),
         ({4: 10.0, 8: math.inf, 5: 9.0, 6: math.inf}, []),
         ({4: 10.0, 8: 9.0}, []),
@@ -155,8 +157,22 @@ def test_more_random_nests(seed: int) -> None:
 def test_a_factor_half_way_to_one_that_is_not_possible_is_tried(
     cycles: dict[int, float], between: list[int]
 ) -> None:
-    found = halfway({(factor,): taken for factor, taken in cycles.items()})
+    found = more({(factor,): taken for factor, taken in cycles.items()}, (4,))
     assert [factor for (factor,) in found] == between
+
+
+def test_of_a_pair_smaller_ones_are_tried_where_larger_ones_fail() -> None:
+    cycles = {(4, 4): 10.0, (4, 8): 11.0, (8, 4): math.inf, (5, 8): 12.0}
+    assert more(cycles, (4, 4)) == [(1, 4), (4, 1), (2, 2)]
+    cycles |= {(1, 4): math.inf, (2, 2): 12.0}
+    assert more(cycles, (4, 4)) == [(4, 1)]
+    assert more({**cycles, (4, 1): 9.0}, (4, 4)) == []
+
+
+def test_large_tiles_are_much_better_or_left_out() -> None:
+    assert crowded({(4, 4): 10.0, (8, 4): 8.0, (8, 5): 7.3}) == [(8, 5)]
+    assert crowded({(4, 4): 10.0, (8, 4): 8.0, (8, 5): 7.1}) == []
+    assert crowded({(4, 4): 10.0, (16,): 1.0}) == []
 
 
 @vividc.kernel("void(int32[:, ::1], int32[:, ::1])")
@@ -181,3 +197,23 @@ def test_an_order_that_is_nearly_the_best_at_first_is_given_its_best_factors() -
     [loop] = pipelined_loops(made)
     inside = [i.op for b in made.blocks if b.name in loop.blocks for i in b.instrs]
     assert inside.count(Opcode.STORE) == 8
+
+
+@vividc.kernel("void(float32[:, ::1], float32[:, ::1])")
+def recurrent_rows(x, y):
+    for i in range(x.shape[0]):
+        for j in range(1, x.shape[1]):
+            y[i, j] = (x[i, j] - y[i, j - 1]) / x[0, j]
+
+
+@pytest.mark.parametrize(("constants", "rows"), [(32, {4}), (2, {1}), (1, set())])
+def test_rows_are_no_more_than_constant_stores_have_addresses_for(
+    constants: int, rows: set[int]
+) -> None:
+    pes = tuple(replace(pe, constants=constants) for pe in MACHINE.pes)
+    estimator = Estimator(replace(MACHINE, pes=pes), PassOptions())
+    function = tidy(recurrent_rows.lower())
+    stages = choose(function, estimator, LoopOptions(restructure=True)).stages
+    made = [s for s in stages if s.decision and s.decision.kind == "restructuring"]
+    assert {s.decision.factor for s in made if s.decision} == rows
+    assert all(s.estimate.entries <= 0.6 * estimator.entries for s in made)

@@ -80,6 +80,42 @@ def many_at_once(x, d):
     x[4] /= d
 
 
+@vividc.kernel(f"void({M}, {V}, float32, float32)")
+def solver_rows(x, p, a, b):
+    """The factors of a tridiagonal solver, and two rows that wait for less than these do."""
+    factor = one = two = np.float32(0)
+    for i in range(len(p)):
+        around = a * factor + b
+        factor = -a / around
+        one = (x[0, i] - a * one) / around
+        two = (x[1, i] - a * two) / around
+        p[i] = factor
+        x[0, i] = one
+        x[1, i] = two
+
+
+@vividc.kernel(f"void({M}, {V}, float32, float32)")
+def longer_row(x, p, a, b):
+    """A row that waits as long as the factors do, through a second quotient."""
+    factor = one = np.float32(0)
+    for i in range(len(p)):
+        around = a * factor + b
+        factor = -a / around
+        one = (x[0, i] - a * (one / around)) / around
+        p[i] = factor
+        x[0, i] = one
+
+
+@vividc.kernel(f"void({M}, {V}, float32, float32)")
+def one_row(x, p, a, b):
+    """Its divisor waits for nothing: in halves it would come later."""
+    one = np.float32(0)
+    for i in range(len(p)):
+        one = (x[0, i] - a * one) / p[i]
+        x[1, i] = b / p[i]
+        x[0, i] = one
+
+
 def shaped(kernel: vividc.KernelFunction) -> Function:
     return hoist_loads(normalize(tidy(kernel.lower())))
 
@@ -107,6 +143,23 @@ def test_what_shares_its_divisor(kernel: vividc.KernelFunction, left: int) -> No
     assert check_function(shared) == []
     assert divisions(shared) == left
     assert (shared is function) == (left == divisions(function))
+
+
+@pytest.mark.parametrize(("kernel", "left"), [(solver_rows, 1), (longer_row, 3), (one_row, 1)])
+def test_rows_wait_for_their_factors_anyway(kernel: vividc.KernelFunction, left: int) -> None:
+    """A row's quotient takes nine cycles more in halves, which another recurrence hides."""
+    assert divisions(share_divisors(shaped(kernel))) == left
+
+
+def test_rows_of_a_solver_agree_with_numba() -> None:
+    rows = np.random.default_rng(4).uniform(-1, 1, (2, 40)).astype(np.float32)
+    mine, numbas = rows.copy(), rows.copy()
+    program = vividc.compile(solver_rows)
+    [loop] = [region for region in program.regions if region.kind == "loop"]
+    assert loop.operations < 46 + 24 + 2 * 20  # a whole quotient, what is common, and two rests
+    vividc.simulate(program, mine, np.zeros(40, np.float32), np.float32(-2), np.float32(5))
+    solver_rows(numbas, np.zeros(40, np.float32), np.float32(-2), np.float32(5))
+    np.testing.assert_allclose(mine, numbas, rtol=1e-5)
 
 
 def test_constants_have_a_shorter_way() -> None:

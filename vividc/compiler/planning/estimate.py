@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal
 
 from vividc.arch.fabric import Fabric
@@ -17,6 +18,7 @@ from vividc.dfg.regions import Kernel, Region
 from vividc.errors import SourceLoc
 from vividc.host import time_limit
 from vividc.host.watch import is_watched
+from vividc.machine.opcodes import OPCODES, Opcode
 from vividc.mapper.bounds.bounds import all_bounds, mii, no_ii
 from vividc.mapper.bounds.straight import straight_lower_bound
 from vividc.mapper.mapping import Bound
@@ -52,7 +54,8 @@ class Shape:
     """A region's time by itself: cycles between iterations, cycles of one, and what binds the II.
 
     `ii` of a straight region is its length, as is `span`. `stalls`: cycles of an iteration in which
-    accesses are expected to meet in a bank.
+    accesses are expected to meet in a bank. `entries`: of constant stores, that the accesses of a
+    loop need at least.
     """
 
     ii: int
@@ -60,6 +63,7 @@ class Shape:
     operations: int
     bound: Bound | None = None
     stalls: float = 0.0
+    entries: int = 0
 
     @property
     def is_possible(self) -> bool:
@@ -114,6 +118,11 @@ class Estimate:
     def contexts(self) -> int:
         """The fewest contexts that the regions take."""
         return sum(cost.shape.ii for cost in self.regions)
+
+    @property
+    def entries(self) -> int:
+        """Of constant stores, that the accesses of loops need at least, where these share none."""
+        return sum(cost.shape.entries for cost in self.regions)
 
     def largest_loop(self, pes: int, *, reassociated: bool = False) -> int:
         """Operations of the largest modulo-scheduled loop, those aside that half of the slots of so
@@ -289,6 +298,12 @@ class Estimator:
             self._alike.setdefault(alike, self._optimized[id(dfg)])
         return self._optimized[id(dfg)].done
 
+    @cached_property
+    def entries(self) -> int:
+        """Of the constant stores of PEs that access the scratchpad."""
+        loads = OPCODES[Opcode.LOAD]
+        return sum(pe.constants for pe in self.fabric.pes if pe.executes(loads))
+
     def largest_loop(self, estimate: Estimate) -> int:
         """Operations of the largest loop that recurrences do not give a mapper room for."""
         reassociated = self.options.reassociate
@@ -447,7 +462,10 @@ def _loop_shape(problem: MapProblem) -> Shape:
     starts = earliest_starts(nodes, dependences(problem.dfg, problem.fabric), ii) or {}
     ends = (start + problem.fabric.latency(problem.dfg.by_id[n]) for n, start in starts.items())
     span = math.ceil(max(ends, default=1) * _ROUTING)
-    return Shape(ii, max(span, ii), operations, bounds[0] if bounds else None)
+    accesses = (node for node in problem.dfg.placed if node.is_memory)
+    entries = {key for node in accesses for key in problem.constants_of(node)}
+    bound = bounds[0] if bounds else None
+    return Shape(ii, max(span, ii), operations, bound, entries=len(entries))
 
 
 def _stalls(problem: MapProblem, ii: int) -> float:

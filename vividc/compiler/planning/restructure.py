@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property, reduce
+from functools import cached_property
 
 from vividc.compiler.planning.estimate import Apart, Estimate, Estimator, Room
 from vividc.compiler.planning.factors import (
@@ -21,8 +21,9 @@ from vividc.compiler.planning.factors import (
     SMALLER,
     chosen,
     covers,
+    crowded,
     filling,
-    halfway,
+    more,
     of_group,
 )
 from vividc.compiler.planning.parts import (
@@ -95,6 +96,12 @@ _STRAIGHT = (40, 60)
 ones may need more registers than there are (939 for 25 divisions at the end of a tile of
 covariance), or more constants than the stores of PEs hold (16 rows of a layer norm, whose divisions
 and roots have 1,779; 8 rows are mapped).
+"""
+
+_STORED = 0.6
+"""Of the entries of constant stores beside load/store units: what accesses of loops take at most.
+Other operands and straight regions need the rest (adi: 8 rows of four nests take 0.51 and are
+mapped, 10 take 0.64 and are not).
 """
 
 
@@ -213,6 +220,10 @@ class _Climb:
     _loops: dict[str, Loops | Refusal] = field(default_factory=dict)
     _last: tuple[str, bool, Regenerated | Refusal] | None = None
     """The tree that was written last, whether it carries, and its code."""
+    _stored: float = _STORED
+    """So large a part of the entries may be taken now: as many groups of loops have no factors yet,
+    as many parts are left to them.
+    """
     _smaller: int = 0
     """So many of the first factors take too many contexts in an order that was tried."""
 
@@ -252,7 +263,10 @@ class _Climb:
         """
         made: list[Restructured] = []
         for _, order, jammed in self.starts:
-            reduce(self._jammed, jammed, order)
+            tree = order
+            for number, group in enumerate(jammed):
+                self._stored = _STORED * (number + 1) / len(jammed)
+                tree = self._jammed(tree, group)
             self._mask_otherwise()
             least = min((one.cycles for one in made), default=math.inf)
             if any(one.cycles < _BETTER * least for one in self.made):
@@ -350,14 +364,28 @@ class _Climb:
 
     def _jammed(self, tree: Loop, group: tuple[Path, ...]) -> Loop:
         """The tree with the best factors of a group of its loops, or none."""
-        plain = self._cycles(tree)
         is_tile = has_skews(tree) and len(group) > 1
         first = OF_SKEWED if is_tile else FACTORS[len(group) == 1]
         masked = self._is_better_masked(tree, of_group(group, first))
+        found = self._tried_factors(tree, group, first, masked=masked)
+        trees = [tree, *found.values()]
+        if not has_skews(tree):
+            best = min(found, key=lambda one: self._cycles(found[one]))
+            trees.append(self._with(tree, of_group(group, best), not masked))
+        made = [one for one in map(self._try, trees) if one is not None]
+        return _surest(made, self.estimator).tree if made else tree
+
+    def _tried_factors(
+        self, tree: Loop, group: tuple[Path, ...], first: tuple[int, ...], *, masked: bool
+    ) -> dict[tuple[int, ...], Loop]:
+        """The tree with these factors of a group, and others that may be better."""
+        plain = self._cycles(tree)
+        is_tile = has_skews(tree) and len(group) > 1
         found: dict[tuple[int, ...], Loop] = {}
         failed: list[tuple[int, ...]] = []
-        work = [*filling([self._length(at(tree, path)) for path in group]), first]
-        while work or (work := halfway({one: self._cycles(found[one]) for one in found})):
+        lengths = [self._length(at(tree, path)) for path in group]
+        work = [*filling(lengths), first]
+        while work or (work := more(self._cycles_of(found), first)):
             factors = work.pop(0)
             if factors in found or any(covers(factors, less) for less in failed):
                 continue  # more are no smaller
@@ -371,18 +399,13 @@ class _Climb:
                     work += OF_WAITING.get(factors, ())
             if cycles * PAYS > plain and not is_tile:
                 work += SMALLER.get(factors, ())
-            if (
-                failed
-                and not work
-                and first == min(found, key=lambda one: self._cycles(found[one]))
-            ):
-                work += SMALLER.get(first, ())  # larger ones of one loop may fit yet
-        trees = [tree, *found.values()]
-        if not has_skews(tree):
-            best = min(found, key=lambda one: self._cycles(found[one]))
-            trees.append(self._with(tree, of_group(group, best), not masked))
-        made = [one for one in map(self._try, trees) if one is not None]
-        return _surest(made, self.estimator).tree if made else tree
+        if None in lengths:
+            for factors in crowded(self._cycles_of(found)):
+                self._tried[describe(found.pop(factors))] = None
+        return found
+
+    def _cycles_of(self, found: Mapping[tuple[int, ...], Loop]) -> dict[tuple[int, ...], float]:
+        return {factors: self._cycles(tree) for factors, tree in found.items()}
 
     def _waits(self, tree: Loop) -> bool:
         """Whether the hottest loop of a tree has as many operations again for free."""
@@ -437,6 +460,8 @@ class _Climb:
         if self.estimator.largest_loop(estimate) > self.most_operations:
             return None
         mean = math.sqrt(estimate.cycles * large.cycles)
+        if estimate.entries > self._stored * self.estimator.entries:
+            return None
         order, factor, carries = self.order, made.factor, made.carries
         return Restructured(made.state, estimate, order, tree, factor, mean, carries)
 

@@ -28,6 +28,7 @@ from vividc.ssa.rewrite.diamonds import merge_diamonds
 from vividc.ssa.rewrite.hoist import hoist_invariants
 from vividc.ssa.rewrite.hoist_loads import hoist_loads
 from vividc.ssa.rewrite.normalize import copy_exit_values, normalize
+from vividc.ssa.rewrite.number_values import merge_recurrences
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,7 @@ SHAPING = (
     hoist_loads,
     carry_elements,
     merge_diamonds,
+    merge_recurrences,
     share_divisors,
     copy_exit_values,
 )

@@ -31,12 +31,16 @@ what is left of one is (21 cycles from the dividend, 30 behind a preparation). W
 the region itself takes 71 cycles from the divisor instead of 42 (cholesky: 280 instead of 200).
 """
 
+_BESIDE: Final = 4
+"""Of a recurrence that another one hides: a division, a phi, and two operations of four cycles."""
+
 
 def share_divisors(function: Function) -> Function:
     """Write divisions whose divisor is worth it as its preparation, which leaves all loops that it
     may, and what remains to do for each dividend.
 
-    Bit for bit as `expand.divide.divide`. Divisions on a recurrence stay, and those by constants.
+    Bit for bit as `expand.divide.divide`. Divisions on a recurrence that would take longer stay,
+    and those by constants.
     """
     shared = _Sharing(function).shared()
     if not shared:
@@ -66,7 +70,7 @@ class _Sharing:
         together = Counter((home, instr.operands[1]) for home, instr in divisions)
         fixed = {instr.id for home, instr in divisions if self._is_fixed(home, instr)}
         crowds = Counter(home for home, instr in divisions if instr.id in fixed)
-        waiting = {i for home in {home for home, _ in divisions} for i in self._recurring(home)}
+        waiting = {i for home in {home for home, _ in divisions} for i in self._waiting(home)}
         shared: set[int] = set()
         for home, instr in divisions:
             if home in self._loops:
@@ -103,8 +107,30 @@ class _Sharing:
         within = self._around.get(home, frozenset(self._home))
         return self._function.block_of[divisor.id] not in within
 
-    def _recurring(self, home: str) -> Iterator[int]:
-        """Ids of what is on a recurrence of a loop, apart from those through memory."""
+    def _waiting(self, home: str) -> Iterator[int]:
+        """Ids of what is on a recurrence of a loop and would make it longer in halves.
+
+        A recurrence is not made longer than another that finds the divisor by a division of its
+        own, which takes 42 cycles, if its one division (30 from the dividend) has few operations
+        beside it.
+        """
+        parts = [part for part in self._recurrences(home) if len(part) > 1]
+        divisions = {instr.id: instr.operands[1] for at, instr in self._divisions() if at == home}
+        slow = {
+            divisor.id
+            for part in parts
+            for division in part & divisions.keys()
+            if isinstance(divisor := divisions[division], Ref) and divisor.id in part
+        }
+        for part in parts:
+            inside = part & divisions.keys()
+            by = {v.id if isinstance(v := divisions[one], Ref) else None for one in inside}
+            is_hidden = len(inside) == 1 and by <= slow - part and len(part) <= _BESIDE
+            if not is_hidden:
+                yield from part
+
+    def _recurrences(self, home: str) -> Iterator[set[int]]:
+        """Ids of what depends on each other, apart from dependences through memory."""
         graph: nx.DiGraph[int] = nx.DiGraph()
         for name in self._loops.get(home, ()):
             for item in self._function.by_name[name].items:
@@ -114,9 +140,7 @@ class _Sharing:
                     else item.operands
                 )
                 graph.add_edges_from((v.id, item.id) for v in values if isinstance(v, Ref))
-        for part in nx.strongly_connected_components(graph):
-            if len(part) > 1:
-                yield from part
+        yield from nx.strongly_connected_components(graph)
 
 
 def _rewritten(block: Block, shared: set[int], fresh: FreshIds) -> Block:

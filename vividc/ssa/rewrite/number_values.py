@@ -1,18 +1,22 @@
 """Common subexpressions of a function: one instruction per value, in its block or in all blocks
-that it dominates.
+that it dominates; of innermost loops recurrences, too, that begin with the same word and go on
+alike.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from typing import Final
 
 import networkx as nx
 
 from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
 from vividc.ssa.edit import replaced
-from vividc.ssa.flow import block_graph, dominators
-from vividc.ssa.ir import Block, Function, Instr, Kind, Ref, Value
+from vividc.ssa.flow import Loop, block_graph, dominators, pipelined_loops, predecessors
+from vividc.ssa.ir import Block, Function, Instr, Kind, Phi, Ref, Value
 
+_ANY: Final = -1
+"""Stands for what an earlier iteration left, before it is known what else is equal."""
 _Key = tuple[Opcode, Kind, tuple[Value, ...]]
 
 
@@ -68,3 +72,93 @@ def _key(instr: Instr, known: dict[int, Value]) -> _Key:
 def _order(value: Value) -> tuple[int, str]:
     """Operands that may be swapped come in this order."""
     return (value.id, "") if isinstance(value, Ref) else (-1, repr(value))
+
+
+def merge_recurrences(function: Function) -> Function:
+    """Merges what innermost loops compute twice, recurrences as wholes: rows of a solver whose
+    factors follow from the same start by the same steps need them once.
+
+    Words that iterations leave to the next count as equal until something tells them apart (value
+    numbering in reverse postorder: Simpson 1996; the partition is that of Alpern, Wegman and
+    Zadeck 1988). Operations of different blocks stay apart, as do accesses to memory.
+    """
+    known: dict[int, Value] = {}
+    for loop in pipelined_loops(function):
+        if _may_be_equal(function, loop):
+            known |= _equals(function, loop)
+    return replaced(function, known)
+
+
+def _may_be_equal(function: Function, loop: Loop) -> bool:
+    """Whether two phis of the header begin with the same word."""
+    begins = [_begin(phi, loop) for phi in function.by_name[loop.header].phis]
+    return len(set(begins)) < len(begins)
+
+
+def _begin(phi: Phi, loop: Loop) -> Hashable:
+    outside = tuple((name, value) for name, value in phi.incoming if name not in loop.blocks)
+    return phi.type, outside
+
+
+def _equals(function: Function, loop: Loop) -> dict[int, Value]:
+    """What stands for phis and operations of the loop that have an equal before them."""
+    blocks = [*_in_order(function, loop)]
+    before: dict[int, int] = {}
+    while True:
+        now: dict[int, int] = {}
+        first: dict[Hashable, int] = {}
+        for block in blocks:
+            for item in block.items:
+                key = _word(item, block, loop, now, before)
+                now[item.id] = item.id if key is None else first.setdefault(key, item.id)
+        if now == before:
+            return {item: Ref(kept) for item, kept in now.items() if item != kept}
+        before = now
+
+
+def _in_order(function: Function, loop: Loop) -> Iterator[Block]:
+    """The loop's blocks, each behind those that lead to it within an iteration."""
+    waiting = [loop.header]
+    done: set[str] = set()
+    while waiting:
+        name = waiting.pop(0)
+        done.add(name)
+        yield function.by_name[name]
+        for after in function.by_name[name].branch.successors:
+            sources = {one for one in predecessors(function)[after] if one in loop.blocks}
+            is_next = after in loop.blocks and after not in done and sources <= done
+            if is_next and after not in waiting:
+                waiting.append(after)
+
+
+def _word(
+    item: Phi | Instr, block: Block, loop: Loop, now: Mapping[int, int], before: Mapping[int, int]
+) -> Hashable | None:
+    """What the word depends on; None: it stays apart."""
+    if isinstance(item, Phi):
+        is_header = block.name == loop.header
+        values = (
+            (
+                name,
+                _left(value, before) if is_header and name in loop.blocks else _number(value, now),
+            )
+            for name, value in item.incoming
+        )
+        return block.name, item.type, tuple(values)
+    if item.op in MEMORY:
+        return None
+    operands = [_number(value, now) for value in item.operands]
+    if OPCODES[item.opcode].commutes:
+        operands[:2] = sorted(operands[:2], key=repr)
+    return block.name, item.opcode, item.type, item.exact, tuple(operands)
+
+
+def _left(value: Value, before: Mapping[int, int]) -> Value:
+    """What an iteration leaves to the next: before the first round, any word."""
+    return _number(value, before) if before else Ref(_ANY)
+
+
+def _number(value: Value, numbers: Mapping[int, int]) -> Value:
+    if isinstance(value, Ref):
+        return Ref(numbers.get(value.id, value.id))
+    return value
