@@ -136,12 +136,9 @@ def _word(
 ) -> Hashable | None:
     """What the word depends on; None: it stays apart."""
     if isinstance(item, Phi):
-        is_header = block.name == loop.header
+        latches = loop.blocks if block.name == loop.header else ()
         values = (
-            (
-                name,
-                _left(value, before) if is_header and name in loop.blocks else _number(value, now),
-            )
+            (name, _left(value, before) if name in latches else _number(value, now))
             for name, value in item.incoming
         )
         return block.name, item.type, tuple(values)
@@ -149,7 +146,7 @@ def _word(
         return None
     operands = [_number(value, now) for value in item.operands]
     if OPCODES[item.opcode].commutes:
-        operands[:2] = sorted(operands[:2], key=repr)
+        operands[:2] = sorted(operands[:2], key=_order)
     return block.name, item.opcode, item.type, item.exact, tuple(operands)
 
 
