@@ -467,10 +467,8 @@ def _bank(node: Node, stage: _Draws, banks: int, known: Words, *, is_mapped: boo
         product = np.full(_DRAWN, factor % around)
         for word in words:
             value = known.get(word, _unknown(word, around))
-            if word.startswith(FROM_END):
-                value = np.zeros(_DRAWN, np.int64)
-            elif word.startswith(CHANGES) and is_mapped:
-                value = _drawn(f"{word} {stage[0]}", around)
+            if word.startswith(CHANGES) and is_mapped:
+                value = _unknown(f"{word} {stage[0]}", around)
             if word == ITERATION.key:
                 value = value - stage
             elif word.startswith("&"):  # arrays start at whole words
@@ -491,7 +489,7 @@ def _drawn(word: str, below: int, times: int = _DRAWN) -> _Draws:
 @cache
 def _unknown(word: str, around: int) -> _Draws:
     """As drawn; every other dimension is a multiple of the banks, if rows are not spaced."""
-    value = _drawn(word, around)
+    value = _drawn(word, 1 if word.startswith(FROM_END) else around)
     if is_pitch(Input(word)) or not is_dimension(Input(word)):
         return value
     return np.where(_drawn(f"{word} aligned", _ALIGNED) == 0, 0, value)
