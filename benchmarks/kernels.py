@@ -106,6 +106,8 @@ def predicted(program: Program, stats: Stats) -> float:
     """The estimate's cycles of a run, by what each region takes and how often it ran."""
     total = float(stats["switch_cycles"])
     for row, report, region in zip(program.table, program.regions, stats["regions"], strict=True):
+        if row.drain:  # the region behind begins early whenever the loop had an iteration
+            total -= row.drain * min(region["entries"], region["iterations"])
         runs = region["entries"]
         trips = region["iterations"] / runs if runs and row.kind == "loop" else 1.0
         span = row.span if row.kind == "loop" else row.ii

@@ -7,7 +7,7 @@ import pytest
 
 import vividc
 from benchmarks.workloads import WORKLOADS
-from vividc.compiler import map_regions
+from vividc.compiler.regions import map_regions
 from vividc.mapper import MapResult
 
 

@@ -24,7 +24,7 @@ from tests.fuzz.forms import OPTIONS, asked, forms
 from tests.fuzz.kinds import Kinds
 from vividc import arch
 from vividc.compiler.driver import CompileOptions, map_kernel
-from vividc.compiler.map_regions import Unmapped
+from vividc.compiler.regions.map_regions import Unmapped
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.interpret.interpreter import interpret
 from vividc.dfg.pipeline import optimize_kernel

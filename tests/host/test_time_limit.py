@@ -146,7 +146,7 @@ def test_without_time_loops_run_block_by_block_and_the_program_says_so(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(time_limit, "remaining_s", lambda: 0.0)
-    monkeypatch.setattr("vividc.compiler.map_regions.LEAST_S", 0.0)
+    monkeypatch.setattr("vividc.compiler.regions.map_regions.LEAST_S", 0.0)
     with pytest.warns(vividc.VividcWarning, match="runs block by block"):
         program = vividc.compile(nested, loops=vividc.LoopOptions(auto=False))
     assert {region.kind for region in program.regions} == {"straight"}

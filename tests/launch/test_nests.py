@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import re
 from dataclasses import replace
 from typing import Any
 
@@ -222,7 +223,9 @@ def test_nests_travel_in_the_bundle() -> None:
     data = compiled.to_bytes()
     again = from_bytes(data)
     assert again == compiled
-    assert b'"vividc.program/4"' in data  # a reader of before would not know them
+    schema = re.search(rb'"vividc.program/(\d)"', data)
+    assert schema is not None
+    assert int(schema[1]) >= 4  # a reader of before would not know them
     mine, numbas = (ints(3), ints(40, 150), ints(40, 150)), (ints(3), ints(40, 150), ints(40, 150))
     vividc.simulate(again, *mine, fabric="vivid")
     two_fields(*numbas)

@@ -12,17 +12,7 @@ from typing import Unpack
 from vividc import arch
 from vividc.arch import Accelerator
 from vividc.arch.fabric import Fabric
-from vividc.compiler.earlier import Earlier
 from vividc.compiler.kept_programs import Place, place_of
-from vividc.compiler.map_again import Runs
-from vividc.compiler.map_regions import (
-    MapOptions,
-    Progress,
-    Unmapped,
-    guarded,
-    map_kernel,
-    mapping_of,
-)
 from vividc.compiler.nests import with_nests
 from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.estimate import Estimator, Shape, Spaces
@@ -33,6 +23,15 @@ from vividc.compiler.planning.plan import Plan, Stage
 from vividc.compiler.planning.spacing import spaced
 from vividc.compiler.price import priced
 from vividc.compiler.products import demanded_products, forbidden, with_products
+from vividc.compiler.regions.earlier import Earlier
+from vividc.compiler.regions.map_again import Runs
+from vividc.compiler.regions.map_regions import (
+    MapOptions,
+    Unmapped,
+    guarded,
+    map_kernel,
+)
+from vividc.compiler.regions.map_straight import Progress
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.regions import Kernel
@@ -55,6 +54,7 @@ from vividc.mapper import EffortLevel, check_effort, check_time_limit
 from vividc.mapper.deadline import limited
 from vividc.mapper.registry import named
 from vividc.mapper.request import Mapper
+from vividc.mapper.result import mapping_of
 from vividc.program import CUT_SHORT, Program, encode
 from vividc.program.encoder.encode import check_contexts, with_designs
 from vividc.program.encoder.programmable import demand_programmable
@@ -425,8 +425,8 @@ def _map_stage(
     )
     program = watched("encode", encoding)
     shapes = [
-        Shape(report.ii, report.span, report.operations, stalls=report.stalls)
-        for report in program.regions
+        Shape(report.ii, report.span, report.operations, stalls=report.stalls, drain=row.drain)
+        for report, row in zip(program.regions, program.table, strict=True)
     ]
     achieved = estimator.priced(function, mapped, shapes, stage.state.hints)
     return Outcome(stage, mapped, results, program, achieved, sequential)

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from vividc.compiler.map_regions import Unmapped
+from vividc.compiler.regions.map_regions import Unmapped
 from vividc.dfg.check import check
 from vividc.dfg.cut.build import SHAPING
 from vividc.dfg.forms.text import to_text as graph_text

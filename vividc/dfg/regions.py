@@ -4,6 +4,7 @@ in which order.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -32,6 +33,8 @@ class Region:
         The block of the CFG that it was cut from; a loop's header.
     branch
         Straight: index of the region that runs next if the node marked `Control.BRANCH` gives 1.
+    drain
+        Counted loop, once it is mapped: cycles before its end in which the region behind it begins.
     """
 
     name: str
@@ -42,6 +45,21 @@ class Region:
     counted: bool = False
     header: str = ""
     loc: SourceLoc | None = field(default=None, compare=False)
+    drain: int = 0
+
+
+def loops_before(regions: Sequence[Region]) -> dict[int, int]:
+    """By straight region, the loop under whose last iterations it may begin: of counted loops
+    without an exit behind which it runs, the first.
+    """
+    found: dict[int, int] = {}
+    for index, region in enumerate(regions):
+        after = region.next
+        if after is None or regions[after].kind != "straight" or not region.counted:
+            continue
+        if all(node.control is None for node in region.dfg.nodes):
+            found.setdefault(after, index)
+    return found
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Node
@@ -11,6 +14,75 @@ from vividc.machine.opcodes import Opcode
 
 ConstantKey = tuple[str, int | str]
 """An entry of a constant store: ("const", word) or ("live_in", name)."""
+
+
+@dataclass(frozen=True)
+class Drain:
+    """What the last iterations of a loop still take when the straight region behind it begins
+    (docs/machine.md), by that region's cycles.
+
+    Attributes
+    ----------
+    cycles
+        After which nothing of it is left.
+    issued, completed, shown
+        (PE, cycle) in which its operations issue, its results are in output registers, and its
+        live-outs take the port of the constant store.
+    words
+        (kind, PE, index, cycle) of links and registers that hold its words, as in `mapping.Step`.
+    written, read
+        (PE, register, cycle) in which ports of the register file are taken.
+    accesses
+        (cycle, array, whether it is a store): the region accesses the array later if either of the
+        two stores, and nothing in the same cycle.
+    entries_read, entries_written
+        (PE, entry of its constant store, cycle): the last one in which it reads it, and the first
+        in which what it wrote can be read.
+    """
+
+    cycles: int
+    issued: frozenset[tuple[int, int]]
+    completed: frozenset[tuple[int, int]]
+    shown: frozenset[tuple[int, int]]
+    words: frozenset[tuple[str, int, int, int]]
+    written: frozenset[tuple[int, int, int]]
+    read: frozenset[tuple[int, int, int]]
+    accesses: frozenset[tuple[int, str, bool]]
+    entries_read: frozenset[tuple[int, ConstantKey, int]]
+    entries_written: frozenset[tuple[int, ConstantKey, int]]
+
+    @cached_property
+    def readable_from(self) -> ReadOnly[tuple[int, ConstantKey], int]:
+        """Where the drain writes an entry, from which cycle on it holds that."""
+        return {(pe, key): cycle for pe, key, cycle in self.entries_written}
+
+    @cached_property
+    def writable_from(self) -> ReadOnly[tuple[int, ConstantKey], int]:
+        """Where the drain reads an entry, or writes it, from which cycle on others may write it."""
+        read = {(pe, key): cycle for pe, key, cycle in self.entries_read}
+        both = read.keys() | self.readable_from.keys()
+        return {at: max(read.get(at, 0), self.readable_from.get(at, 0)) for at in both}
+
+    def renamed(self, names: ReadOnly[Any, object]) -> Hashable:
+        """What a mapper looks at, with other names for the entries that matter."""
+        read, written = (
+            frozenset((pe, names[key], cycle) for pe, key, cycle in some if key in names)
+            for some in (self.entries_read, self.entries_written)
+        )
+        taken = (self.issued, self.completed, self.shown, self.words, self.written, self.read)
+        return self.cycles, taken, self.accesses, read, written
+
+    def accessible_from(self, node: Node) -> int:
+        """The cycle from which on the region may make an access, but for those with accesses."""
+        is_store = node.op is Opcode.STORE
+        return max(
+            (
+                cycle + 1
+                for cycle, array, stores in self.accesses
+                if (stores or is_store) and (array == node.name or not (array and node.name))
+            ),
+            default=0,
+        )
 
 
 @dataclass(frozen=True)
@@ -24,12 +96,15 @@ class MapProblem:
     resident
         Entries that other regions already hold in the constant store of each PE; they count towards
         its capacity, and using one again costs nothing.
+    drain
+        Of a straight region: what is left of the loop before it.
     """
 
     dfg: DFG
     fabric: Fabric
     allowed: ReadOnly[int, frozenset[int]] = field(default_factory=dict)
     resident: ReadOnly[int, frozenset[ConstantKey]] = field(default_factory=dict)
+    drain: Drain | None = None
 
     def candidates(self, node: Node) -> tuple[int, ...]:
         """PEs that `node` may be placed on."""
@@ -51,6 +126,28 @@ class MapProblem:
         if node.op is Opcode.LIVE_OUT:
             keys[("live_in", node.name)] = None
         return tuple(keys)
+
+    def release(self, node: Node, pe: int) -> int:
+        """The first cycle in which the drain before it lets a node issue on a PE."""
+        if self.drain is None:
+            return 0
+        first = self.drain.accessible_from(node) if node.is_memory else 0
+        for entry in self.constants_of(node):
+            is_own = node.op is Opcode.LIVE_OUT and entry == ("live_in", node.name)
+            from_which = self.drain.writable_from if is_own else self.drain.readable_from
+            first = max(first, from_which.get((pe, entry), 0))
+        return first
+
+    @cached_property
+    def releases(self) -> ReadOnly[int, int]:
+        """By node, the first cycle in which the drain lets it issue anywhere; 0: at once."""
+        if self.drain is None:
+            return {}
+        found = (
+            (node.id, min((self.release(node, pe) for pe in self.candidates(node)), default=0))
+            for node in self.dfg.placed
+        )
+        return {node: cycle for node, cycle in found if cycle}
 
 
 def constant_key(node: Node) -> ConstantKey | None:

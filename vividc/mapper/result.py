@@ -6,6 +6,7 @@ from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from vividc.errors import InternalError
 from vividc.mapper.mapping import Bound, Mapping, Objective, Refutation, Status, Subject
 
 
@@ -70,6 +71,19 @@ class MapResult:
         @staticmethod
         def from_json(data: object) -> MapResult:
             """The result that `to_json` wrote."""
+
+
+def mapping_of(result: MapResult) -> Mapping:
+    """The mapping that a result must have.
+
+    Raises
+    ------
+    InternalError
+        It has none.
+    """
+    if result.mapping is None:
+        raise InternalError("a region without a mapping was passed on")
+    return result.mapping
 
 
 class MapInterrupted(KeyboardInterrupt):

@@ -80,6 +80,7 @@ def region_data(program: Program, index: int, own: OwnLines) -> Data:
         "operations": report.operations,
         "span": report.span,
         "stages": report.stages,
+        "drain": program.table[index].drain,
         "mapper": report.mapper,
         "nodes": [_node(node, own, program.fabric, scene) for node in graph.nodes],
         "edges": [_edge(edge) for edge in graph.edges],

@@ -53,6 +53,8 @@ NESTED: Final = "vividc.program/4"
 """Of a program that has the nests of its kernel as well: a reader of before would not know them."""
 RETURNING: Final = "vividc.program/5"
 """Of a program that returns arrays or tuples: a reader of before would ask for them."""
+DRAINING: Final = "vividc.program/6"
+"""Of a program with regions that begin while loops end: a reader of before would run neither."""
 _MANIFEST: Final = "program.json"
 _ARRAYS: Final = ("words", "images", "images_set")
 _EPOCH: Final = (1980, 1, 1, 0, 0, 0)
@@ -158,9 +160,9 @@ class BundleReader:
         text = self._member(_MANIFEST)
         demand_few_values(text, BUNDLE_BYTES, self.path, BundleError)
         schema = _schema(text)
-        if schema not in (SCHEMA, SIZED, NESTED, RETURNING):
+        if schema not in (SCHEMA, SIZED, NESTED, RETURNING, DRAINING):
             raise BundleError(
-                f"schema {quoted(schema)}, and this version reads {SCHEMA!r} to {RETURNING!r}",
+                f"schema {quoted(schema)}, and this version reads {SCHEMA!r} to {DRAINING!r}",
                 hint="compile the kernel again with this version",
             )
         return _ADAPTER.validate_json(text, strict=True)

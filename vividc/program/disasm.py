@@ -17,7 +17,8 @@ def disassemble(program: Program) -> str:
 
     Operands read ``link<-3`` (the link from PE 3), ``r2`` (register 2), ``out``, ``iv`` or ``c4``
     (constant-store entry 4); ``c4|out`` reads entry 4 in iteration 0. ``->3=res`` drives the link
-    to PE 3, ``r2=res`` writes register 2, ``c4=out`` is a live-out. ``@s1`` is the stage.
+    to PE 3, ``r2=res`` writes register 2, ``c4=out`` is a live-out. ``@s1`` is the stage; of a
+    straight region, the number from the end of the iteration of the loop before it.
     ``load.u1`` and ``load.s2`` extend a byte with zeros and two bytes with their sign; ``store.1``
     writes one byte.
     """
@@ -50,6 +51,8 @@ def _header(index: int, name: str, row: RegionRow) -> str:
     size = f"length {row.ii}"
     if row.kind == "loop":
         size = f"II {row.ii}, span {row.span}, {row.stages} stages"
+        if row.drain:
+            after += f" in its last {row.drain} cycles"
     return f"region {index} {name}: {kind}, {size}, then {after}"
 
 

@@ -19,6 +19,7 @@ from vividc.machine.parallel import Order, Parallel
 from vividc.machine.params import DType, LocalArray, Param, given
 from vividc.machine.product import Products
 from vividc.program.bundle import (
+    DRAINING,
     NESTED,
     RETURNING,
     SCHEMA,
@@ -248,6 +249,8 @@ def _manifest(program: Program) -> Manifest:
 
 def _schema(program: Program) -> str:
     """The oldest whose readers understand all of it."""
+    if any(row.drain for row in program.table):
+        return DRAINING
     if program.results is not None:
         return RETURNING
     if program.nests:

@@ -32,6 +32,9 @@ class RegionRow:
     next, branch
         Index of the row that runs next, and of the one to branch to; None: the program ends, there
         is no branch.
+    drain
+        Of a counted loop: cycles before its end in which the row behind it begins, whose words hold
+        what is left of the loop (see `drains`).
     """
 
     kind: RegionKind
@@ -43,6 +46,7 @@ class RegionRow:
     has_exit: bool
     next: int | None
     branch: int | None
+    drain: int = 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,8 @@ import numpy as np
 
 import vividc
 from vividc import arch
-from vividc.compiler.planning.estimate import Apart, Estimator, Room
+from vividc.compiler.planning.estimate import Estimator, Room
+from vividc.compiler.planning.parts import Apart
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.ir import DFG
 from vividc.dfg.pipeline import PassOptions, optimize_kernel

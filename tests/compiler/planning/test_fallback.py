@@ -11,10 +11,10 @@ import pytest
 import vividc
 from tests.compiler.planning.test_choose import MACHINE, plan, product
 from vividc.compiler import driver
-from vividc.compiler.map_regions import Unmapped
 from vividc.compiler.planning.estimate import Estimate, Estimator, RegionCost, Shape
 from vividc.compiler.planning.fallback import Budget, Outcome, Race, settle
 from vividc.compiler.planning.plan import Plan, Stage
+from vividc.compiler.regions.map_regions import Unmapped
 from vividc.dfg.ir import DFG
 from vividc.dfg.pipeline import PassOptions
 from vividc.errors import MappingFailed, TimeLimit

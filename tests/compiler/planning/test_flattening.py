@@ -25,11 +25,16 @@ def kinds(program: vividc.Program) -> list[str]:
 
 @vividc.kernel("void(int32[::1], int32[::1], float32[::1], float32[::1], float32[::1])")
 def rows_anywhere(row_start, column, value, x, y):
-    """A sparse matrix times a vector, whose rows may meet in `y`."""
+    """Sums of a sparse matrix's rows, which may meet in `y`, of what takes long to compute: a row
+    by itself would hide little of it.
+    """
     for i in range(len(row_start) - 1):
         total = np.float32(0.0)
         for k in range(row_start[i], row_start[i + 1]):
-            total += value[k] * x[column[k]]
+            v = value[k] * x[column[k]]
+            v = v * v + np.float32(1.0)
+            v = v * v + value[k]
+            total += v
         y[column[i] & 7] = total
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from random import Random
 
@@ -11,11 +12,18 @@ from vividc.program import Program, RegionRow, word_layout
 from vividc.program.words.layout import WORD_BITS, Field
 
 
-def mutated(program: Program, random: Random) -> Program:
-    """The program with one to three configuration fields changed, and sometimes a table row."""
+def mutated(program: Program, random: Random, contexts: Sequence[int] = ()) -> Program:
+    """The program with one to three configuration fields changed, and sometimes a table row.
+
+    Parameters
+    ----------
+    contexts
+        Those that may be changed; none: all.
+    """
     words = program.words.copy()
+    contexts = contexts or range(words.shape[0])
     for _ in range(random.choice([1, 1, 2, 3])):
-        context, pe = random.randrange(words.shape[0]), random.randrange(words.shape[1])
+        context, pe = random.choice(contexts), random.randrange(words.shape[1])
         field = random.choice(word_layout(program.fabric).fields)
         words[context, pe] = _changed(words[context, pe], field, random)
     table = list(program.table)
@@ -61,11 +69,13 @@ def _with(words: np.ndarray, field: Field, new: int) -> list[int]:
 
 
 def _changed_row(row: RegionRow, rows: int, random: Random) -> RegionRow:
-    kind = random.randrange(4)
+    kind = random.randrange(5)
     if kind == 0 and row.kind == "loop":
         return replace(row, span=max(1, row.span + random.randrange(-3, 4)))
     if kind == 1 and row.kind == "loop" and row.has_exit:
         return replace(row, counted=not row.counted)
+    if kind == 3 and row.drain:
+        return replace(row, drain=max(0, row.drain + random.randrange(-2, 3)))
     if kind == 2:
         return replace(row, next=random.choice([None, *range(rows)]))
     return row

@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
+import vividc
 from tests.program.hand_kernels import choose, dot, fabric, find, pairs, positive, saxpy
+from tests.program.test_drains import rows
 from tests.programs import WORDS, programs
 from tests.sim.native.agreement import assert_engines_agree, launch
 from tests.sim.native.mutations import field_of, mutated, with_field
@@ -17,6 +19,7 @@ from tests.sim.test_against_interpreter import FABRICS, compiled
 from vividc.errors import BundleError
 from vividc.machine.opcodes import MEMORY
 from vividc.program import Program
+from vividc.program.drains import sound_parts
 from vividc.program.words.entry import Use
 from vividc.sim import Launch
 from vividc.sim.native.write import loop
@@ -141,9 +144,9 @@ def test_accesses_that_decide() -> None:
 
 
 def _is_possible(program: Program) -> bool:
-    """Whether its PEs can do what its words tell them."""
+    """Whether its PEs can do what its words tell them, and hold what is left of each loop."""
     try:
-        program.entries  # noqa: B018 - decoding tells
+        sound_parts(program)
     except BundleError:
         return False
     return True
@@ -163,6 +166,43 @@ def assert_mutants_agree(seed: int, count: int) -> None:
 
 def test_programs_with_changed_words() -> None:
     assert_mutants_agree(seed=1, count=60)
+
+
+def drained() -> tuple[Program, Launch]:
+    """A program whose loop ends while the region behind it begins, and its words there only."""
+    program = vividc.compile(rows, fabric="vivid-tile", loops=vividc.LoopOptions(auto=False))
+    ends = np.array([2, 2, 3, 11], np.int32)
+    args = (ends, np.arange(11, dtype=np.int32), np.zeros(4, np.int32))
+    return program, launch(program, *args, cycle_limit=2000)
+
+
+def assert_drained_mutants_agree(seed: int, count: int) -> int:
+    """How many of them could be run."""
+    random, possible = Random(seed), 0
+    program, given_launch = drained()
+    loop = next(row for row in program.table if row.drain)
+    assert loop.next is not None
+    behind = program.table[loop.next]
+    contexts = [*range(behind.context, behind.context + behind.ii)]
+    contexts += range(loop.context, loop.context + loop.ii)
+    for _ in range(count):
+        mutant = mutated(program, random, contexts)
+        if _is_possible(mutant):
+            assert_engines_agree(mutant, given_launch)
+            possible += 1
+    return possible
+
+
+def test_changed_words_of_a_region_that_begins_early() -> None:
+    """Most of them contradict the loop, and are refused; what is not runs the same on both."""
+    possible = assert_drained_mutants_agree(1, 150)
+    assert 20 < possible < 130
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2, 8))
+def test_many_changed_words_of_a_region_that_begins_early(seed: int) -> None:
+    assert_drained_mutants_agree(seed, 3_000)
 
 
 @pytest.mark.slow

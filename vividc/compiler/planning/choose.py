@@ -68,7 +68,7 @@ than full unrolling's, which are known.
 _LARGE, _GAIN_OF_LARGE = 256, 0.9
 """The same with a loop of so many operations (339 of bilateral, at 0.949, map nothing in 19 s)."""
 
-_LITTLE = 0.05
+_LITTLE = 0.045
 """A nest that saves a smaller share of the kernel's cycles is left alone, whatever it gains of its
 own (`_GAIN`): other nests are not restructured yet, and may lose most of theirs. At 0.02 the sums
 of deriche, which save 0.04, take the constant stores that its other loops need.
@@ -79,7 +79,7 @@ _NO_GAIN = "does not pay"
 _BEST = 1 << 10
 """The place of the last of all forms: nests beside those that are joined have what was found."""
 
-_STEP = 0.95
+_STEP = 0.955
 """A factor must do so much better than half of it."""
 
 _FACTORS = (2, 4, 8)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal
+from typing import Final, Literal
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.alike import Graph, Optimized, numbered, with_addresses
@@ -14,7 +14,7 @@ from vividc.dfg.check import check
 from vividc.dfg.cut.build import Cut, build_kernel
 from vividc.dfg.ir import DFG
 from vividc.dfg.pipeline import PassOptions, optimize, optimize_kernel, pipeline
-from vividc.dfg.regions import Kernel, Region
+from vividc.dfg.regions import Kernel, Region, loops_before
 from vividc.errors import SourceLoc
 from vividc.host import time_limit
 from vividc.host.watch import is_watched
@@ -29,7 +29,6 @@ from vividc.ssa.analysis.frequency import expected_trips, frequencies
 from vividc.ssa.flow import find_loops, preheader_of
 from vividc.ssa.formats.pack_lanes import pack_lanes
 from vividc.ssa.ir import Function
-from vividc.ssa.loops.left_out import without_loops
 from vividc.ssa.rewrite.normalize import normalize
 
 _ROUTING = 1.3
@@ -55,7 +54,8 @@ class Shape:
 
     `ii` of a straight region is its length, as is `span`. `stalls`: cycles of an iteration in which
     accesses are expected to meet in a bank. `entries`: of constant stores, that the accesses of a
-    loop need at least.
+    loop need at least. `drain`: of a mapped loop, cycles before its end in which the region behind
+    it begins; None: not known yet.
     """
 
     ii: int
@@ -64,6 +64,7 @@ class Shape:
     bound: Bound | None = None
     stalls: float = 0.0
     entries: int = 0
+    drain: int | None = None
 
     @property
     def is_possible(self) -> bool:
@@ -73,7 +74,10 @@ class Shape:
 
 @dataclass(frozen=True, slots=True)
 class RegionCost:
-    """A region's share: `runs` times entered, with `trips` iterations each time."""
+    """A region's share: `runs` times entered, with `trips` iterations each time. A loop ends
+    `early` before its span is over, at most `earliest`: the region behind it has begun, and nothing
+    passes between the two.
+    """
 
     header: str
     kind: str
@@ -81,12 +85,15 @@ class RegionCost:
     runs: float
     trips: float
     loc: SourceLoc | None = None
+    early: float = 0.0
+    earliest: float = 0.0
 
     @property
     def cycles(self) -> float:
         """Cycles over the whole run, region switches aside."""
         rest = max(self.trips - 1.0, 0.0) * self.shape.ii
-        return self.runs * (min(self.trips, 1.0) * self.shape.span + rest) + self.stalls
+        first = min(self.trips, 1.0) * (self.shape.span - self.early)
+        return self.runs * (first + rest) + self.stalls
 
     @property
     def stalls(self) -> float:
@@ -95,9 +102,12 @@ class RegionCost:
 
     @property
     def allowance(self) -> float:
-        """The part of the cycles that an estimate sets aside for routing."""
+        """The part of the cycles that an estimate sets aside for routing, and for what the region
+        behind a loop has to wait for.
+        """
         span = max(self.shape.ii, math.floor(self.shape.span / _ROUTING))
-        return self.runs * min(self.trips, 1.0) * (self.shape.span - span)
+        spared = self.shape.span - span + self.earliest - self.early
+        return self.runs * min(self.trips, 1.0) * spared
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,6 +173,11 @@ class Room:
     operations: int
     contexts: float
 
+
+_EARLY: Final = 0.5
+"""Of the cycles by which a region may begin early, those that it gains so: others wait for what the
+loop is yet to give (PolyBench).
+"""
 
 Spaces = Literal["none", "paying", "all"]
 
@@ -235,15 +250,43 @@ class Estimator:
         return self.priced(function, kernel, shapes, hints)
 
     def priced(
-        self, function: Function, kernel: Kernel, shapes: list[Shape], hints: Mapping[str, float]
+        self,
+        function: Function,
+        kernel: Kernel,
+        shapes: list[Shape],
+        hints: Mapping[str, float],
+        *,
+        most: bool = False,
     ) -> Estimate:
-        """The cycles of a normalised function's regions if they have these shapes."""
+        """The cycles of a normalised function's regions if they have these shapes; `most`: if each
+        begins as early under the end of a loop as it may.
+        """
         costs = _costs(function, kernel.regions, shapes, hints)
+        costs = self._with_drains(costs, kernel, most)
         switches = sum(cost.runs for cost in costs) * self.fabric.controller.switch_cycles
         total = sum(cost.cycles for cost in costs) + switches
         estimate = Estimate(total, costs)
         is_too_long = estimate.contexts > self.fabric.controller.contexts
         return replace(estimate, cycles=math.inf) if is_too_long else estimate
+
+    def _with_drains(
+        self, costs: tuple[RegionCost, ...], kernel: Kernel, most: bool
+    ) -> tuple[RegionCost, ...]:
+        """Loops end as early as the regions behind them can begin, which saves the switch, too."""
+        if not self.fabric.is_plain:
+            return costs
+        made, switch = list(costs), self.fabric.controller.switch_cycles
+        for after, loop in loops_before(kernel.regions).items():
+            shape, length = costs[loop].shape, costs[after].shape.ii
+            if shape.drain is None:
+                earliest = min(shape.span - max(shape.ii, switch), length)
+                early = earliest * (1.0 if most else _EARLY)
+            else:
+                early = earliest = shape.drain
+            if earliest > 0 and shape.is_possible:
+                early, earliest = early + switch, earliest + switch
+                made[loop] = replace(costs[loop], early=early, earliest=earliest)
+        return tuple(made)
 
     def iterations(
         self, function: Function, kernel: Kernel, hints: Mapping[str, float]
@@ -363,71 +406,6 @@ class Estimator:
         if known is None or not known.is_own or check(known.done):
             return optimize(dfg, self.options)  # one that is alike has other source lines
         return replace(known.done, name=dfg.name)
-
-
-@dataclass(frozen=True)
-class Apart:
-    """Estimates one nest in several forms, each without the other nests of the function: these take
-    as long beside each form, and building their regions anew would take most of the time.
-
-    Attributes
-    ----------
-    headers
-        Of the loops in no other one that are left out.
-    others
-        What the regions take that are left out.
-    """
-
-    estimator: Estimator
-    headers: frozenset[str]
-    others: tuple[RegionCost, ...]
-    _rests: dict[int, tuple[Function, Function]] = field(default_factory=dict, compare=False)
-    """By the identity of the form, with the form: the same rest of it each time."""
-
-    @staticmethod
-    def of(
-        estimator: Estimator,
-        function: Function,
-        hints: Mapping[str, float],
-        inside: Collection[str],
-    ) -> Apart:
-        """For nests with loops of the headers `inside`."""
-        loops = find_loops(function)
-        outer = [
-            loop
-            for loop in loops
-            if not any(loop.header in o.blocks and o.header != loop.header for o in loops)
-        ]
-        headers = frozenset(o.header for o in outer if o.blocks.isdisjoint(inside))
-        _, taken = without_loops(function, headers)
-        costs = estimator.estimate(function, hints).regions if taken else ()
-        return Apart(estimator, headers, tuple(cost for cost in costs if cost.header in taken))
-
-    def estimate(
-        self, function: Function, *hints: Mapping[str, float], room: Room | None = None
-    ) -> tuple[Estimate, ...]:
-        """As the estimator does of a form, for each of several hints."""
-        rest = self._rest(function)
-        if room is not None:
-            taken = sum(cost.shape.ii for cost in self.others)
-            room = replace(room, contexts=room.contexts - taken)
-        return tuple(self._with_others(self.estimator.estimate(rest, one, room)) for one in hints)
-
-    def _rest(self, function: Function) -> Function:
-        if not self.others:
-            return function
-        if id(function) not in self._rests:
-            self._rests[id(function)] = function, without_loops(function, self.headers)[0]
-        return self._rests[id(function)][1]
-
-    def _with_others(self, estimate: Estimate) -> Estimate:
-        if not self.others:
-            return estimate
-        controller = self.estimator.fabric.controller
-        switches = sum(cost.runs for cost in self.others) * controller.switch_cycles
-        cycles = estimate.cycles + sum(cost.cycles for cost in self.others) + switches
-        every = Estimate(cycles, (*estimate.regions, *self.others))
-        return replace(every, cycles=math.inf) if every.contexts > controller.contexts else every
 
 
 def _costs(

@@ -116,7 +116,8 @@ class Race:
         shapes = [replace(self.estimator.shape(region), stalls=0.0) for region in built.regions]
         for index, (ii, span) in known.items():
             shapes[index] = replace(shapes[index], ii=ii, span=span)
-        cycles = self.estimator.priced(self.function, kernel, shapes, self.hints).cycles
+        priced = self.estimator.priced(self.function, kernel, shapes, self.hints, most=True)
+        cycles = priced.cycles
         return self.below <= cycles < math.inf
 
 

@@ -1,15 +1,19 @@
-"""Static-control parts of a function, and the function with other loops for one."""
+"""Static-control parts of a function, estimated alone, and with other loops for one of them."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+import math
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 
+from vividc.compiler.planning.estimate import Estimate, Estimator, RegionCost, Room
 from vividc.compiler.planning.state import MOST_INSTRUCTIONS, State
 from vividc.ssa.analysis.levels import with_own_latches
 from vividc.ssa.flow import find_loops
+from vividc.ssa.ir import Function
 from vividc.ssa.loops.join import between, join
+from vividc.ssa.loops.left_out import without_loops
 from vividc.ssa.polyhedral.generate import generate
 from vividc.ssa.polyhedral.loops import Loops, expected_trips, iterations_of, loops_of
 from vividc.ssa.polyhedral.orders.realigned import realigned
@@ -32,6 +36,71 @@ _MOST_JOINED = 4
 
 _MOST_REALIGNED = 1
 """Orders with a sum's loop outermost that are compared with those of the source."""
+
+
+@dataclass(frozen=True)
+class Apart:
+    """Estimates one nest in several forms, each without the other nests of the function: these take
+    as long beside each form, and building their regions anew would take most of the time.
+
+    Attributes
+    ----------
+    headers
+        Of the loops in no other one that are left out.
+    others
+        What the regions take that are left out.
+    """
+
+    estimator: Estimator
+    headers: frozenset[str]
+    others: tuple[RegionCost, ...]
+    _rests: dict[int, tuple[Function, Function]] = field(default_factory=dict, compare=False)
+    """By the identity of the form, with the form: the same rest of it each time."""
+
+    @staticmethod
+    def of(
+        estimator: Estimator,
+        function: Function,
+        hints: Mapping[str, float],
+        inside: Collection[str],
+    ) -> Apart:
+        """For nests with loops of the headers `inside`."""
+        loops = find_loops(function)
+        outer = [
+            loop
+            for loop in loops
+            if not any(loop.header in o.blocks and o.header != loop.header for o in loops)
+        ]
+        headers = frozenset(o.header for o in outer if o.blocks.isdisjoint(inside))
+        _, taken = without_loops(function, headers)
+        costs = estimator.estimate(function, hints).regions if taken else ()
+        return Apart(estimator, headers, tuple(cost for cost in costs if cost.header in taken))
+
+    def estimate(
+        self, function: Function, *hints: Mapping[str, float], room: Room | None = None
+    ) -> tuple[Estimate, ...]:
+        """As the estimator does of a form, for each of several hints."""
+        rest = self._rest(function)
+        if room is not None:
+            taken = sum(cost.shape.ii for cost in self.others)
+            room = replace(room, contexts=room.contexts - taken)
+        return tuple(self._with_others(self.estimator.estimate(rest, one, room)) for one in hints)
+
+    def _rest(self, function: Function) -> Function:
+        if not self.others:
+            return function
+        if id(function) not in self._rests:
+            self._rests[id(function)] = function, without_loops(function, self.headers)[0]
+        return self._rests[id(function)][1]
+
+    def _with_others(self, estimate: Estimate) -> Estimate:
+        if not self.others:
+            return estimate
+        controller = self.estimator.fabric.controller
+        switches = sum(cost.runs for cost in self.others) * controller.switch_cycles
+        cycles = estimate.cycles + sum(cost.cycles for cost in self.others) + switches
+        every = Estimate(cycles, (*estimate.regions, *self.others))
+        return replace(every, cycles=math.inf) if every.contexts > controller.contexts else every
 
 
 @dataclass(frozen=True)

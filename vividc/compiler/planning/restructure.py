@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from vividc.compiler.planning.estimate import Apart, Estimate, Estimator, Room
+from vividc.compiler.planning.estimate import Estimate, Estimator, Room
 from vividc.compiler.planning.factors import (
     FACTORS,
     FIRST,
@@ -27,6 +27,7 @@ from vividc.compiler.planning.factors import (
     of_group,
 )
 from vividc.compiler.planning.parts import (
+    Apart,
     Regenerated,
     expected_lengths,
     static_part,
@@ -65,6 +66,9 @@ best one with the first factors: with two rows and two columns each, blur3 by ro
 what it takes by columns, and at its best 0.8 times. Another order is taken if it is so much better:
 at an estimate of 0.993 symm takes 1.04 times its cycles, seidel-2d 0.93 times at one of 0.983.
 """
+
+_AS_FAST, _FEWER = 1.005, 0.7
+"""Estimates nearer to each other say nothing: stencil7 has forms of 30 and of 69 contexts so."""
 
 _MASKED = 0.97
 """Another mask is, if that is not for stalls alone: predicates leave a mapper less room (at 0.988
@@ -180,15 +184,20 @@ def _as_a_whole(one: Restructured, estimator: Estimator) -> Restructured:
 
 
 def _surest(made: list[Restructured], estimator: Estimator) -> Restructured:
-    """The fastest of these; or the same with its groups masked, or not masked, if it takes fewer
-    contexts and is nearly as fast.
+    """The fastest of these; or of it masked or not, and of those as fast that take far fewer
+    contexts, one that takes fewer.
     """
     contexts = estimator.fabric.controller.contexts
     fastest = min(made, key=lambda one: one.cycles)
-    shape = describe(fastest.tree).replace("?", "")
+    shape, few = describe(fastest.tree).replace("?", ""), _FEWER * fastest.estimate.contexts
+
+    def is_as_good(one: Restructured) -> bool:
+        is_as_fast = one.cycles < _AS_FAST * fastest.cycles and one.estimate.contexts < few
+        return is_as_fast or describe(one.tree).replace("?", "") == shape
+
+    weighed = _SURE / contexts
     return min(
-        (one for one in made if describe(one.tree).replace("?", "") == shape),
-        key=lambda one: one.cycles * (1.0 + _SURE * one.estimate.contexts / contexts),
+        filter(is_as_good, made), key=lambda one: one.cycles * (1 + weighed * one.estimate.contexts)
     )
 
 

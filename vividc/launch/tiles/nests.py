@@ -194,9 +194,10 @@ class _Builder:
         for number, counters in runs:
             _, one = self._chosen(number, _words(counters))
             configuring = one.configuring if number != held else 0
-            if not total:  # the first one's program hides behind nothing
-                total, configuring = configuring, 0
-            cycles = max(one.channel, one.computing, configuring)
+            computing = one.computing
+            if not total:  # the first one's program hides behind its first blocks' way only
+                computing += configuring
+            cycles = max(one.channel, computing, configuring)
             total += cycles
             ends = max(ends, one.channel + one.ends - cycles)
             uneven, held = one.uneven, number

@@ -13,7 +13,7 @@ from vividc.errors import MappingFailed
 from vividc.host.once import once_each, once_within
 from vividc.machine.opcodes import Opcode
 from vividc.mapper.mapping import Bound
-from vividc.mapper.problem import MapProblem
+from vividc.mapper.problem import Drain, MapProblem
 from vividc.mapper.resources.distances import cycles_for
 
 
@@ -23,6 +23,7 @@ def straight_lower_bound(problem: MapProblem) -> Bound:
 
     Longest dependence path with the hops that candidate PEs force; and for operations that share
     PEs, one issue per PE and cycle between the earliest start and the shortest tail (Carlier 1982).
+    What waits for a loop that is still under way starts no earlier than that lets it.
 
     Raises
     ------
@@ -32,6 +33,8 @@ def straight_lower_bound(problem: MapProblem) -> Bound:
     heights = heights_of(problem)
     heads = _heads(problem, heights)
     bounds = [_path_bound(problem, heights), *_shared_bounds(problem, heights, heads)]
+    if problem.drain is not None:
+        bounds.append(_drain_bound(problem, problem.drain, heights, heads))
     return max(bounds, key=lambda bound: bound.ii)
 
 
@@ -135,8 +138,20 @@ def _path_bound(problem: MapProblem, heights: Heights) -> Bound:
     return Bound("critical path", max(1, heights.of[node]), f"nodes {text}", tuple(path))
 
 
+def _drain_bound(
+    problem: MapProblem, drain: Drain, heights: Heights, heads: dict[int, int]
+) -> Bound:
+    """What waits for a loop that is still under way, and what comes after it."""
+    nodes: tuple[int, ...] = ()
+    length = drain.cycles
+    for node in heights.order:
+        if heads[node] + heights.of[node] > length:
+            length, nodes = heads[node] + heights.of[node], (node,)
+    return Bound("drain", length, f"the loop before it takes {drain.cycles} of its cycles", nodes)
+
+
 def _heads(problem: MapProblem, heights: Heights) -> dict[int, int]:
-    heads = dict.fromkeys(heights.order, 0)
+    heads = {node: problem.releases.get(node, 0) for node in heights.order}
     for node in heights.order:
         for edge in problem.dfg.out_edges[node]:
             heads[edge.dst] = max(heads[edge.dst], heads[node] + heights.separation(edge))

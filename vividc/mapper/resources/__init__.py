@@ -2,5 +2,5 @@
 
 In order: `arrays` (in which compiled functions read both), `dependences`, `distances`, `mrrg` (the
 modulo routing resource graph), `plain_core`; `registers` (allocation), `moved_words` (where words
-are moved for it), `fu_slots`, `banks`.
+are moved for it), `fu_slots`, `banks`; `drain` (what a loop still takes as it ends).
 """

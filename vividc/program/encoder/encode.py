@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Mapping as ReadOnly
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -21,10 +22,11 @@ from vividc.mapper.resources.banks import words_of
 from vividc.mapper.resources.fu_slots import utilization
 from vividc.mapper.result import MapResult
 from vividc.program.design import design_text
+from vividc.program.drains import parts
 from vividc.program.encoder.banks import choose_layout, traffic_of
 from vividc.program.encoder.checks import check_region, control_node, span_of, stages_of
-from vividc.program.encoder.constants import allocate, return_high, return_home
-from vividc.program.encoder.lower import LoweredRegion, lower_region
+from vividc.program.encoder.constants import ConstantStores, allocate, return_high, return_home
+from vividc.program.encoder.lower import LoweredRegion, Rest, lower_region
 from vividc.program.program import Program
 from vividc.program.tables import (
     BoundReport,
@@ -86,6 +88,8 @@ def encode(
     rows = tuple(replace(row, stalls=wait) for row, wait in zip(rows, stalls, strict=True))
     provenance = _provenance(kernel, options or {})
     program = _program(kernel, fabric, mappings, table, banks, rows, provenance)
+    for fault in parts(program).faults:
+        raise InternalError(f"{kernel.name}: {fault}")
     return replace(program, pitches=pitches, warnings=tuple(warnings))
 
 
@@ -115,10 +119,8 @@ def _program(
     """What the machine reads, words, constant stores and tables, with its reports."""
     stores = allocate(kernel, fabric, mappings)
     layout = word_layout(fabric)
-    lowered = [
-        lower_region(index, region, mappings[index], fabric, stores, layout)
-        for index, region in enumerate(kernel.regions)
-    ]
+    lower = partial(_lowered, kernel, fabric, mappings, table, stores, layout)
+    lowered = [lower(index) for index in range(len(table))]
     images, images_set = stores.images(fabric)
     return Program(
         name=kernel.name,
@@ -139,6 +141,25 @@ def _program(
         locals=kernel.locals,
         results=kernel.results,
     )
+
+
+def _lowered(
+    kernel: Kernel,
+    fabric: Fabric,
+    mappings: ReadOnly[int, Mapping],
+    table: Sequence[RegionRow],
+    stores: ConstantStores,
+    layout: WordLayout,
+    index: int,
+) -> LoweredRegion:
+    """A region, with what is left of a loop before it."""
+    lower = partial(lower_region, fabric=fabric, stores=stores, layout=layout)
+    rest = None
+    for number, row in enumerate(table):
+        if row.drain and row.next == index:
+            loop = lower(number, kernel.regions[number], mappings[number])
+            rest = Rest(loop, row.span - row.drain, row.drain)
+    return lower(index, kernel.regions[index], mappings[index], rest=rest)
 
 
 def _mapping(index: int, region: Region, mappings: ReadOnly[int, Mapping]) -> Mapping:
@@ -167,9 +188,16 @@ def _table(
                 has_exit=control_node(region, Control.EXIT) is not None,
                 next=region.next,
                 branch=region.branch,
+                drain=region.drain,
             )
         )
         context += mapping.ii
+    for index, row in enumerate(rows):
+        if row.drain and row.next is not None:
+            times = [place.time for place in mappings[index].places.values()]
+            left = max(times) - (row.span - row.drain)
+            stages = left // row.ii + 2 if left >= 0 else 1
+            rows[row.next] = replace(rows[row.next], stages=stages)
     return tuple(rows)
 
 

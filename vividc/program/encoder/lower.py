@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping as ReadOnly
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from vividc.arch.fabric import Fabric
@@ -17,7 +17,6 @@ from vividc.dfg.regions import Region
 from vividc.errors import InternalError, KernelError
 from vividc.machine.opcodes import BASE, PRED, Opcode
 from vividc.mapper.mapping import Mapping, Place, Step
-from vividc.program.encoder.checks import stages_of
 from vividc.program.encoder.constants import ConstantStores
 from vividc.program.tables import DebugRow
 from vividc.program.words.entry import (
@@ -50,12 +49,24 @@ def _passes_on(previous: Step | None, step: Step) -> bool:
 
 
 @dataclass(frozen=True)
+class Rest:
+    """What is left of a loop from cycle `begin` of its last iteration on, for so many cycles."""
+
+    loop: LoweredRegion
+    begin: int
+    cycles: int
+
+
+@dataclass(frozen=True)
 class LoweredRegion:
-    """Entries by (slot, PE), idle ones absent, and the debug rows of the region."""
+    """Entries by (slot, PE), idle ones absent, and the debug rows of the region; `cells`: what the
+    entries are made from.
+    """
 
     entries: ReadOnly[tuple[int, int], Entry]
     debug: tuple[DebugRow, ...]
-    stages: int
+    ii: int
+    cells: ReadOnly[tuple[int, int], _Cell]
 
 
 def lower_region(
@@ -65,8 +76,14 @@ def lower_region(
     fabric: Fabric,
     stores: ConstantStores,
     layout: WordLayout,
+    rest: Rest | None = None,
 ) -> LoweredRegion:
     """Lower region `index` of a kernel, whose schedule has passed `check_region`.
+
+    Parameters
+    ----------
+    rest
+        What its words hold of the loop before it.
 
     Raises
     ------
@@ -76,6 +93,8 @@ def lower_region(
         An address offset or shift does not fit the configuration word.
     """
     lowering = _Lowering(index, region, mapping, fabric, stores)
+    if rest is not None:
+        lowering.begin_with(rest)
     for edge_index, edge in region.dfg.routed_edges():
         lowering.route(edge_index, edge)
     for node in region.dfg.placed:
@@ -85,7 +104,7 @@ def lower_region(
         missing = faults(entry, fabric, pe)
         if missing:
             raise InternalError(f"{region.name}: PE {pe} lacks {missing[0]} used in slot {slot}")
-    return LoweredRegion(entries, tuple(lowering.debug), stages_of(region, mapping))
+    return LoweredRegion(entries, tuple(lowering.debug), mapping.ii, lowering.cells)
 
 
 @dataclass
@@ -99,6 +118,8 @@ class _Cell:
     reads: list[int] = field(default_factory=list)
     writes: dict[int, Select] = field(default_factory=dict)
     completes: int | None = None
+    times: dict[tuple[str, int], int] = field(default_factory=dict)
+    """Of what is driven, written or completed: the cycle of the iteration that it belongs to."""
 
     def read(self, register: int) -> Select:
         """An RF read port that delivers `register`."""
@@ -106,15 +127,45 @@ class _Cell:
             self.reads.append(register)
         return Select(Sel.RF, self.reads.index(register))
 
-    def drive(self, link: int, select: Select) -> None:
+    def drive(self, link: int, select: Select, time: int) -> None:
         """Outgoing link `link` takes `select`."""
+        self.times["link", link] = time
         if self.links.setdefault(link, select) != select:
             raise InternalError(f"{self.where}: two sources for outgoing link {link}")
 
-    def write(self, register: int, select: Select) -> None:
+    def write(self, register: int, select: Select, time: int) -> None:
         """`register` takes `select`."""
+        self.times["reg", register] = time
         if self.writes.setdefault(register, select) != select:
             raise InternalError(f"{self.where}: two sources for register {register}")
+
+    def take(self, other: _Cell, pe: int, begun: int, ii: int) -> None:
+        """Take what a loop's cell holds of iterations that began so many cycles ago, and before:
+        `begun` is of the last one.
+        """
+
+        def moved(select: Select) -> Select:
+            return self.read(other.reads[select.index]) if select.kind is Sel.RF else select
+
+        def operand(one: Operand) -> Operand:
+            return replace(one, select=moved(one.select))
+
+        if (issue := other.issue) is not None and (time := other.times["issue", pe]) >= begun:
+            a, b, c = map(operand, issue.operands)
+            predicate = operand(issue.predicate)
+            stage = (time - begun) // ii + 1
+            self.issue = replace(issue, operands=(a, b, c), predicate=predicate, stage=stage)
+        if (capture := other.capture) and (time := other.times["capture", pe]) >= begun:
+            stage = (time - begun) // ii + 1
+            self.capture = replace(capture, select=moved(capture.select), stage=stage)
+        for link, select in other.links.items():
+            if other.times["link", link] >= begun:
+                self.drive(link, moved(select), 0)
+        for register, select in other.writes.items():
+            if other.times["reg", register] >= begun:
+                self.write(register, moved(select), 0)
+        if other.completes is not None and other.times["completes", pe] >= begun:
+            self.completes = other.completes
 
     def entry(self, layout: WordLayout) -> Entry:
         """The finished entry."""
@@ -155,6 +206,15 @@ class _Lowering:
             where = f"region {self._region.name}, slot {slot}, PE {pe}"
             self.cells[slot, pe] = _Cell(where)
         return self.cells[slot, pe]
+
+    def begin_with(self, rest: Rest) -> None:
+        """The first cells hold what is left of a loop."""
+        for cycle in range(rest.cycles):
+            for pe in range(len(self._fabric.pes)):
+                begun = rest.begin + cycle
+                cell = rest.loop.cells.get((begun % rest.loop.ii, pe))
+                if cell is not None:
+                    self._cell(pe, cycle).take(cell, pe, begun, rest.loop.ii)
 
     def route(self, edge_index: int, edge: Edge) -> None:
         """Drive the links and write the registers of one edge's route."""
@@ -208,12 +268,12 @@ class _Lowering:
         else:
             select = Select(Sel.RES) if previous is None else self._read(cell, previous)
         if step.kind == "reg":
-            cell.write(step.index, select)
+            cell.write(step.index, select, step.time - 1)
             return
         links = [link.id for link in self._fabric.links_from[pe]]
         if step.index not in links or self._fabric.links[step.index].dst != step.pe:
             raise self._fail(f"link {step.index} does not run from PE {pe} to PE {step.pe}")
-        cell.drive(links.index(step.index), select)
+        cell.drive(links.index(step.index), select, step.time - 1)
 
     def _read(self, cell: _Cell, step: Step) -> Select:
         if step.kind == "reg":
@@ -243,6 +303,7 @@ class _Lowering:
             raise self._fail(f"live-out {node.id} needs one plain operand")
         entry = self._stores.index(place.pe, node)
         stage = place.time // self._mapping.ii
+        cell.times["capture", place.pe] = place.time
         cell.capture = Capture(operands[0].select, entry, stage, node.unless_exit)
 
     def _issue(self, node: Node, place: Place, cell: _Cell) -> None:
@@ -259,6 +320,7 @@ class _Lowering:
         if is_constant is not node.is_memory:
             raise self._fail(f"node {node.id} has the base address of no memory operation")
         a, b, c = (operands.get(port, Operand()) for port in range(3))
+        cell.times["issue", place.pe] = place.time
         cell.issue = Issue(
             node.op,
             (a, b, c),
@@ -280,6 +342,7 @@ class _Lowering:
                 f"nodes {last.completes} and {node.id} complete on PE {place.pe} in the same slot"
             )
         last.completes = node.id
+        last.times["completes", place.pe] = place.time + self._fabric.latency(node) - 1
 
     def _operands(self, node: Node, place: Place) -> dict[int, Operand]:
         operands: dict[int, Operand] = {}

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import astuple
+from dataclasses import astuple, replace
 
 import numpy as np
 
 from vividc.program import Program
-from vividc.sim.engine import Activity, Launch
+from vividc.sim.engine import Launch
 from vividc.sim.native.plan.counts import Totals
 from vividc.sim.native.plan.layout import BITS, Layout, Place
 from vividc.sim.native.state import MachineState
 from vividc.sim.reference.engine import iterations
 from vividc.sim.reference.predecode import RegionCode, State, StateMap, predecode
-from vividc.sim.reference.region import RegionState, Tile
+from vividc.sim.reference.region import RegionState
+from vividc.sim.reference.tile import Tile
 
 
 class Fallback:
@@ -39,24 +40,28 @@ class Fallback:
         region = self._regions[int(machine.context[Place.NEXT])]
         tile = self._tile(launch, machine)
         tile.entries += 1
+        overlap = int(machine.context[Place.OVERLAP])
+        tile.cycle -= overlap
         run = RegionState(tile, region, iterations(region.row, tile.trip))
         run.run()
+        if run.is_left:
+            run.finish()
+        machine.context[Place.OVERLAP] = region.row.drain if run.is_left else 0
         following = region.row.branch if run.branch else region.row.next
         switches = 0
-        if following is not None:
+        if following is not None and not run.is_left:
             switches = self._program.fabric.controller.switch_cycles
             tile.cycle += switches
-            tile.check_limit(region.index)
+            tile.check_limit(region.index, tile.cycle)
         machine.context[Place.NEXT] = -1 if following is None else following
         machine.context[Place.SWITCH_CYCLES] += switches
         self._write_back(tile, machine)
-        return _totals(tile, run, region)
+        return _totals(run, overlap)
 
     def demand_time(self, launch: Launch, machine: MachineState) -> None:
         """Raise the error of a run that went past its limit in the region that is next."""
         tile = self._tile(launch, machine)
-        tile.cycle = launch.cycle_limit + 1
-        tile.check_limit(int(machine.context[Place.NEXT]))
+        tile.check_limit(int(machine.context[Place.NEXT]), launch.cycle_limit + 1)
 
     def _tile(self, launch: Launch, machine: MachineState) -> Tile:
         return Tile(
@@ -93,23 +98,17 @@ class Fallback:
                 machine.context[place] |= np.uint64(1 << bit % BITS).astype(np.int64)
 
 
-def _totals(tile: Tile, run: RegionState, region: RegionCode) -> Totals:
+def _totals(run: RegionState, overlap: int) -> Totals:
+    """What a run counted that began so many cycles before the loop before it was over."""
     issued: Counter[str] = Counter()
-    registers, constants = tile.register_reads, 0
-    for count in region.counts:
+    moved = run.activity()
+    registers, constants = moved.register_reads, 0
+    for count in run.region.counts:
         issues = run.issues_of(count.time)
         if issues:
             issued[count.op] += issues
             registers += count.first_register_reads + (issues - 1) * count.register_reads
             constants += count.first_constant_reads + (issues - 1) * count.constant_reads
-    activity = Activity(
-        link_words=tile.link_words,
-        register_reads=registers,
-        register_writes=tile.register_writes,
-        constant_reads=constants,
-        constant_writes=tile.constant_writes,
-        scratchpad_reads=tile.scratchpad_reads,
-        scratchpad_writes=tile.scratchpad_writes,
-    )
-    times = (1, run.iterations, run.cycle + run.stalls, run.stalls)
+    activity = replace(moved, register_reads=registers, constant_reads=constants)
+    times = (1, run.iterations, run.cycles - overlap, run.stalls)
     return Totals((*times, *astuple(activity)), issued)

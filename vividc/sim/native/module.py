@@ -15,12 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.program import Program
+from vividc.program.dataflow import RegionFlow, trace
+from vividc.program.drains import sound_parts
 from vividc.sim.native.bulk import write as bulk
 from vividc.sim.native.bulk.tables import BulkTables, bulk_tables
 from vividc.sim.native.plan.counts import RegionCounts, region_counts
 from vividc.sim.native.plan.layout import Layout, Place, Status, layout
 from vividc.sim.native.plan.schedule import schedule
-from vividc.sim.native.plan.trace import RegionFlow, trace
 from vividc.sim.native.region import ARGUMENTS, region_function
 from vividc.sim.native.write.body import Machine
 from vividc.sim.native.write.operations import DECLARATIONS
@@ -61,7 +62,11 @@ class Plan:
 
 def plan(program: Program) -> Plan:
     """Analyse the words of a program."""
-    flows = tuple(trace(program, index) for index in range(len(program.table)))
+    parts = sound_parts(program)
+    flows = tuple(
+        parts.flows.get(index) or trace(program, index, contexts)
+        for index, contexts in enumerate(parts.own)
+    )
     counts = tuple(None if flow is None else region_counts(flow) for flow in flows)
     sizes = [0 if one is None else len(one.classes) for one in counts]
     pes = len(program.fabric.pes)
@@ -82,7 +87,8 @@ def module_text(program: Program, planned: Plan) -> str:
     ):
         classes = () if counts is None else counts.classes
         placed = None if tables is None else (tables, first)
-        regions.append(region_function(index, flow, classes, machine, switch_cycles, placed))
+        early = any(row.drain and row.next == index for row in program.table)
+        regions.append(region_function(index, flow, classes, machine, switch_cycles, early, placed))
         first += 0 if tables is None else tables.words.size
     return "\n".join([_DECLARATIONS, *regions, _dispatch(len(regions))])
 

@@ -11,12 +11,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
+from vividc.program.dataflow import RegionFlow
 from vividc.sim.native.bulk.tables import BulkTables
 from vividc.sim.native.bulk.write import write_bulk
 from vividc.sim.native.plan.counts import CountClass
 from vividc.sim.native.plan.layout import BITS, EXTENT_WORDS, Place, Status
 from vividc.sim.native.plan.schedule import Schedule, constants_read, schedule
-from vividc.sim.native.plan.trace import RegionFlow
 from vividc.sim.native.write.body import Body, Key, Machine, Surroundings
 from vividc.sim.native.write.ending import COUNTERS, End, finish
 from vividc.sim.native.write.frame import Frame
@@ -32,12 +32,15 @@ def region_function(
     classes: Sequence[CountClass],
     machine: Machine,
     switch_cycles: int,
+    begins_early: bool,
     placed: tuple[BulkTables, int] | None = None,
 ) -> str:
     """Text of the function `region{index}`; no flow: one that leaves the region to the reference.
 
     Parameters
     ----------
+    begins_early
+        A loop ends early before it.
     placed
         The region's tables, and their first word among all, if it runs by tables.
     """
@@ -46,7 +49,8 @@ def region_function(
         code.do(f"ret i32 {Status.IRREGULAR:d}")
     else:
         sums = machine.layout.sums[index]
-        _write(Frame(code, machine, flow, classes, switch_cycles, sums), placed)
+        frame = Frame(code, machine, flow, classes, switch_cycles, sums, begins_early)
+        _write(frame, placed)
     return "\n".join([f"define internal i32 @region{index}({ARGUMENTS}) {{", *code.lines, "}", ""])
 
 

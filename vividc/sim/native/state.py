@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.program import Home, Program
+from vividc.program.dataflow import Constant
 from vividc.sim.engine import Launch
 from vividc.sim.native.plan.layout import BITS, MEMORY_SLACK_BYTES, Layout, Place
-from vividc.sim.native.plan.trace import Constant
 
 _SLACK = MEMORY_SLACK_BYTES // 4
 

@@ -15,9 +15,10 @@ import numpy as np
 
 from vividc.errors import SimulationError
 from vividc.program import Home, Program, RegionRow, joined
-from vividc.sim.engine import Activity, Launch, RegionRun, RegionSpan, Run
+from vividc.sim.engine import Activity, Launch, Observer, RegionRun, RegionSpan, Run
 from vividc.sim.reference.predecode import RegionCode, State, StateMap, predecode
-from vividc.sim.reference.region import RegionState, Tile, Watch
+from vividc.sim.reference.region import RegionState
+from vividc.sim.reference.tile import Tile, Watch
 
 _UNBOUNDED: Final = sys.maxsize
 
@@ -46,19 +47,20 @@ class ReferenceEngine:
         totals = [_Totals() for _ in self._regions]
         index: int | None = 0
         switches = 0
+        left: RegionState | None = None  # a loop of which something is left
         while index is not None:
-            region = self._regions[index]
-            start = tile.cycle
-            done = self._run_region(tile, region)
-            totals[index].add(done, region, tile.take_activity())
-            if launch.observer is not None:
-                spent = (start, tile.cycle, done.iterations, done.stalls)
-                launch.observer(RegionSpan(index, *spent))
-            index = region.row.branch if done.branch else region.row.next
-            if index is not None:
+            done = self._run_region(tile, self._regions[index], left)
+            for one in (left, done):
+                if one is not None and not (one is done and done.is_left):
+                    totals[one.region.index].add(one)
+                    _tell(launch.observer, one)
+            left = done if done.is_left else None
+            row = done.region.row
+            index = row.branch if done.branch else row.next
+            if index is not None and left is None:
                 switches += self._program.fabric.controller.switch_cycles
                 tile.cycle += self._program.fabric.controller.switch_cycles
-                tile.check_limit(region.index)
+                tile.check_limit(done.region.index, tile.cycle)
         regions = tuple(total.region_run() for total in totals)
         return Run(
             cycles=tile.cycle,
@@ -71,10 +73,11 @@ class ReferenceEngine:
             activity=Activity.total(region.activity for region in regions),
         )
 
-    def _run_region(self, tile: Tile, region: RegionCode) -> RegionState:
-        tile.state[: self._cells.volatile] = [None] * self._cells.volatile
+    def _run_region(self, tile: Tile, region: RegionCode, left: RegionState | None) -> RegionState:
+        if left is None:
+            tile.state[: self._cells.volatile] = [None] * self._cells.volatile
         tile.entries += 1
-        state = RegionState(tile, region, iterations(region.row, tile.trip))
+        state = RegionState(tile, region, iterations(region.row, tile.trip), left)
         state.run()
         return state
 
@@ -88,6 +91,13 @@ class ReferenceEngine:
         for row in program.launch:
             state[cells.constant(row.pe, row.entry)] = launch.inputs[row.key]
         return state
+
+
+def _tell(observer: Observer | None, done: RegionState) -> None:
+    if observer is not None:
+        end = done.now
+        times = (end - done.cycles, end, done.iterations, done.stalls)
+        observer(RegionSpan(done.region.index, *times))
 
 
 def returned(program: Program, word_at: Callable[[Home], int | None]) -> int | None:
@@ -139,14 +149,14 @@ class _Totals:
         self.register_reads = 0
         self.constant_reads = 0
 
-    def add(self, done: RegionState, region: RegionCode, moved: Activity) -> None:
-        """Count one run of the region; `moved`: what the tile counted meanwhile."""
+    def add(self, done: RegionState) -> None:
+        """Count one run of the region."""
         self.entries += 1
         self.iterations += done.iterations
-        self.cycles += done.cycle + done.stalls
+        self.cycles += done.cycles
         self.stalls += done.stalls
-        self.activity = Activity.total((self.activity, moved))
-        for count in region.counts:
+        self.activity = Activity.total((self.activity, done.activity()))
+        for count in done.region.counts:
             issues = done.issues_of(count.time)
             if issues == 0:
                 continue

@@ -15,6 +15,7 @@ from vividc.arch.fabric import Fabric
 from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
 from vividc.machine.semantics import SEMANTICS
 from vividc.program import Entry, Issue, Operand, Program, RegionRow, Sel, Select, Use
+from vividc.program.drains import Contexts, sound_parts
 from vividc.program.words.wires import driver
 
 _MEMORY_NAMES = frozenset(op.value for op in MEMORY)
@@ -136,27 +137,56 @@ class OpCount:
 
 @dataclass(frozen=True, slots=True)
 class RegionCode:
-    """A region ready to run. `counters`: (state cell, stage) of the iteration counters it reads."""
+    """A region ready to run.
+
+    Attributes
+    ----------
+    counters
+        (state cell, stage) of the iteration counters it reads.
+    rest, rest_counters
+        What the words of the region behind a loop hold of it, by that region's cycles, stages
+        counted from the loop's end.
+    """
 
     index: int
     row: RegionRow
     slots: tuple[Slot, ...]
     counters: tuple[tuple[int, int], ...]
     counts: tuple[OpCount, ...]
+    rest: tuple[Slot, ...]
+    rest_counters: tuple[tuple[int, int], ...]
 
 
 def predecode(program: Program, cells: StateMap) -> tuple[RegionCode, ...]:
-    """Every region of `program`, decoded from its words."""
-    return tuple(_region(program, index, row, cells) for index, row in enumerate(program.table))
+    """Every region of `program`, decoded from its words.
+
+    Raises
+    ------
+    BundleError
+        The words of a region do not fit the loop before it.
+    """
+    parts = sound_parts(program)
+    return tuple(
+        _region(program, index, cells, own, parts.rests.get(index, []))
+        for index, own in enumerate(parts.own)
+    )
 
 
-def _region(program: Program, index: int, row: RegionRow, cells: StateMap) -> RegionCode:
-    contexts = program.entries[row.context : row.context + row.ii]
+def _region(
+    program: Program, index: int, cells: StateMap, contexts: Contexts, rest: Contexts
+) -> RegionCode:
+    row = program.table[index]
     coder = _Coder(program.fabric, cells, _array_names(program, index))
     driven = [coder.driven(entries) for entries in contexts]
     slots = tuple(
         coder.slot(slot, entries, driven[slot - 1] - driven[slot])
         for slot, entries in enumerate(contexts)
+    )
+    begin = row.span - row.drain
+    held = [driven[(begin - 1) % row.ii], *map(coder.driven, rest)]
+    left = tuple(
+        coder.slot((begin + cycle) % row.ii, entries, held[cycle] - held[cycle + 1])
+        for cycle, entries in enumerate(rest)
     )
     counts = tuple(
         coder.count(slot, row.ii, entry)
@@ -164,9 +194,13 @@ def _region(program: Program, index: int, row: RegionRow, cells: StateMap) -> Re
         for entry in entries
         if entry.issue is not None
     )
+    counters, of_rest = (_counters(cells, some) for some in (contexts, rest))
+    return RegionCode(index, row, slots, counters, counts, left, of_rest)
+
+
+def _counters(cells: StateMap, contexts: Contexts) -> tuple[tuple[int, int], ...]:
     stages = {issue.stage for entries in contexts for issue in _reads_counter(entries)}
-    counters = tuple((cells.iv(stage), stage) for stage in sorted(stages))
-    return RegionCode(index, row, slots, counters, counts)
+    return tuple((cells.iv(stage), stage) for stage in sorted(stages))
 
 
 def _reads_counter(entries: Iterable[Entry]) -> Iterator[Issue]:

@@ -3,108 +3,52 @@
 from __future__ import annotations
 
 import sys
-from collections import deque
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Final, Literal, Protocol
+from collections import Counter, deque
+from typing import Final, Literal
 
-from vividc.errors import CycleLimit, SimulationError
+from vividc.errors import SimulationError
 from vividc.machine.words import WORD_BYTES, WORD_MASK, loaded, stored
-from vividc.program import Program, Use, trapped
-from vividc.sim.engine import Activity, Progress
-from vividc.sim.reference.predecode import LiveOut, Moves, Op, RegionCode, Slot, State, StateMap
+from vividc.program import Use, trapped
+from vividc.sim.engine import Activity
+from vividc.sim.reference.predecode import LiveOut, Moves, Op, RegionCode, Slot
+from vividc.sim.reference.tile import Tile
 
 _ENDLESS: Final = sys.maxsize
 _PROGRESS_EVERY: Final = 1 << 13
 _RAISED: Final = "numba raises it, too, for these arguments: check them on the host"
 _SIGN_BIT: Final = 0x80000000
-_COUNTERS: Final = (
-    "link_words",
-    "register_reads",
-    "register_writes",
-    "constant_writes",
-    "scratchpad_reads",
-    "scratchpad_writes",
-)
-
 Completion = tuple[int, int | None]
 """(PE, word of the result); a store completes with no word."""
 
-
-class Watch(Protocol):
-    """Sees every cycle before it happens."""
-
-    def see(
-        self, cycle: int, region: RegionCode, slot: Slot, newest: int, limit: int, state: State
-    ) -> None:
-        """Look at a cycle; nothing may be changed.
-
-        Parameters
-        ----------
-        cycle
-            Since the launch, stalls included.
-        newest, limit
-            Iteration of stage 0; iterations from `limit` on are dead.
-        state
-            The words that PEs can read in this cycle (see `predecode.StateMap`).
-        """
-
-    def touch(self, words: Sequence[int]) -> None:
-        """Look at what the cycle that was seen last accesses: indices of words of the scratchpad,
-        one for each access.
-        """
-
-
-@dataclass
-class Tile:
-    """What outlives a region: words, memory, the trip register, time, and counters of activity."""
-
-    program: Program
-    cells: StateMap
-    state: State
-    memory: list[int]
-    cycle_limit: int
-    progress: Progress | None
-    extents: Mapping[str, tuple[int, int]]
-    watch: Watch | None = None
-    trip: int = 0
-    cycle: int = 0
-    entries: int = 0
-    link_words: int = 0
-    register_reads: int = 0
-    register_writes: int = 0
-    constant_writes: int = 0
-    scratchpad_reads: int = 0
-    scratchpad_writes: int = 0
-
-    def take_activity(self) -> Activity:
-        """What was counted since the last call; operands' reads are counted elsewhere."""
-        counted = Activity(**{name: getattr(self, name) for name in _COUNTERS})
-        for name in _COUNTERS:
-            setattr(self, name, 0)
-        return counted
-
-    def check_limit(self, region: int, cycles: int = 0) -> None:
-        """Stop a run whose time, `cycles` of region `region` included, exceeds the limit.
-
-        Regions entered count too, so regions without a cycle cannot go on for ever.
-        """
-        if self.cycle + cycles <= self.cycle_limit and self.entries <= self.cycle_limit:
-            return
-        report = self.program.regions[region]
-        raise CycleLimit(
-            f"{self.program.name} is in region {report.name} after {self.cycle_limit} cycles",
-            loc=report.loc,
-            hint="raise cycle_limit, or look for a loop that never ends",
-        )
+_Words = tuple[int | None, ...]
+_Moved = tuple[_Words, _Words, _Words, _Words, list[tuple[int, int]]]
+"""Words for links and registers, each of results and links and then of registers, and live-outs."""
 
 
 class RegionState:
-    """A region under way. Cycles count from its start, without stalls: a stall freezes all."""
+    """A region under way. Cycles count from its start, without stalls: a stall freezes all.
 
-    def __init__(self, tile: Tile, region: RegionCode, limit: int) -> None:
+    Parameters
+    ----------
+    limit
+        Iterations to issue, unless an exit node stops them.
+    before
+        The loop whose last iterations are still under way; its words are among the region's.
+    """
+
+    def __init__(
+        self, tile: Tile, region: RegionCode, limit: int, before: RegionState | None = None
+    ) -> None:
         self._tile = tile
         self._region = region
+        self.cycle = 0
+        self.stalls = 0
+        self.branch = False
+        self._start = tile.cycle
+        self._before = before
+        self._held_up = 0 if before is None else before.stalls  # of them, until this one began
+        self._rest = deque(() if before is None else before.region.rest)
+        self._counted: Counter[str] = Counter()
         row = region.row
         self._state = tile.state
         self._trip = limit
@@ -121,14 +65,39 @@ class RegionState:
         self._completed = [-1] * len(tile.program.fabric.pes)  # cycle of the last completion
         self._end = _ENDLESS
         self._set_end()
-        self.branch = False
-        self.cycle = 0
-        self.stalls = 0
+
+    @property
+    def region(self) -> RegionCode:
+        """What runs."""
+        return self._region
 
     @property
     def iterations(self) -> int:
         """Live iterations of the finished run."""
         return self._limit
+
+    @property
+    def now(self) -> int:
+        """Cycles since the launch, those included in which the loop before stood still."""
+        stalls = self.stalls
+        if self._before is not None:
+            stalls += self._before.stalls - self._held_up
+        return self._start + self.cycle + stalls
+
+    @property
+    def is_left(self) -> bool:
+        """Whether it has ended early: the region behind it does what is left."""
+        return bool(self._region.rest) and self._limit > 0
+
+    @property
+    def cycles(self) -> int:
+        """Cycles of the finished run, without those in which the loop before was under way."""
+        shared = 0 if self._before is None else len(self._before.region.rest)
+        return self.cycle + self.stalls - shared
+
+    def activity(self) -> Activity:
+        """Words moved; operands' reads are counted elsewhere."""
+        return Activity(**self._counted)
 
     def issues_of(self, time: int) -> int:
         """Times an operation placed at `time` has issued: in live iterations and in killed ones."""
@@ -139,49 +108,66 @@ class RegionState:
         return max(self._limit, min(before_exit, self._trip))
 
     def run(self) -> None:
-        """Run to the end and add the time to the tile's."""
+        """Run to the end, or to where the region behind it begins, and set the tile's time."""
         tile = self._tile
         reported = 0
         while self.cycle < self._end:
             self._contexts()
-            tile.check_limit(self._region.index, self.cycle + self.stalls)
+            tile.check_limit(self._region.index, self.now)
             if tile.progress is not None and self.cycle - reported >= _PROGRESS_EVERY:
                 reported = self.cycle
-                tile.progress(tile.cycle + self.cycle + self.stalls)
+                tile.progress(self.now)
         while self._exits:
             self._resolve()
         self._resolved = self._limit
         self._settle_misses()
-        tile.cycle += self.cycle + self.stalls
+        tile.cycle = self.now
 
     def _set_end(self) -> None:
         row = self._region.row
         if self._limit == 0:
             self._end = 0
         elif self._limit < _ENDLESS:
-            self._end = (self._limit - 1) * row.ii + row.span
+            self._end = (self._limit - 1) * row.ii + row.span - row.drain
 
     def _contexts(self) -> None:
         """Walk once through the region's contexts: II cycles."""
         region = self._region
         newest = self.cycle // region.row.ii
-        for cell, stage in region.counters:
-            self._state[cell] = newest - stage & WORD_MASK
+        self._count(region.counters, newest)
+        if self._before is not None:
+            self._before.count_from_end()
         for slot in region.slots:
             if self._exits and self._exits[0][0] == self.cycle:
                 self._resolve()
             if self.cycle >= self._end:
                 return
-            if self._tile.watch is not None:
-                self._look(slot, newest)
-            self._cycle(slot, newest)
+            if self._rest:
+                self._cycle_of_both(slot)
+            else:
+                self._cycle(slot, newest)
             self.cycle += 1
 
-    def _look(self, slot: Slot, newest: int) -> None:
-        tile = self._tile
-        assert tile.watch is not None
-        now = tile.cycle + self.cycle + self.stalls
-        tile.watch.see(now, self._region, slot, newest, self._limit, self._state)
+    def _count(self, counters: tuple[tuple[int, int], ...], newest: int) -> None:
+        for cell, stage in counters:
+            self._state[cell] = newest - stage & WORD_MASK
+
+    def count_from_end(self) -> None:
+        """What is left of a loop has its iterations counted from the end."""
+        self._count(self._region.rest_counters, self._limit)
+
+    def finish(self) -> None:
+        """Do what is left of a loop, with nothing beside it."""
+        self.count_from_end()
+        for slot in self._region.rest:
+            self._cycle(slot, self._limit)
+            self.cycle += 1
+        self._tile.cycle = self.now
+        self._tile.check_limit(self._region.index, self.now)
+
+    def _look(self, slot: Slot, newest: int, now: int) -> None:
+        assert self._tile.watch is not None
+        self._tile.watch.see(now, self._region, slot, newest, self._limit, self._state)
 
     def _resolve(self) -> None:
         """An exit node's result acts: later iterations are dead from now on, or it goes on."""
@@ -209,13 +195,63 @@ class RegionState:
         self._misses = open_ones
 
     def _cycle(self, slot: Slot, newest: int) -> None:
+        if self._tile.watch is not None:
+            self._look(slot, newest, self.now)
+        self._work(slot, newest)
+        self._end_cycle(slot, newest)
+
+    def _end_cycle(self, slot: Slot, newest: int) -> None:
+        done = self._completions()
+        moved = self._moved(slot, newest)
+        self._fade(slot)
+        self._write(slot, moved)
+        self._clear_outputs()
+        self._set_outputs(done)
+
+    def _cycle_of_both(self, slot: Slot) -> None:
+        """A cycle in which the loop before is still under way: each step of it for both."""
+        before = self._before
+        assert before is not None
+        left = self._rest.popleft()
+        pairs = ((before, left, before.iterations), (self, slot, 0))
+        if self._tile.watch is not None:
+            for one, context, newest in pairs:
+                one._look(context, newest, self.now)
+        before._work(left, before.iterations)
+        try:
+            self._work(slot, 0)
+        except SimulationError:
+            self._fail_after(before, left)
+            self._work(slot, 0)  # fails again, when the loop has ended
+        done = [one._completions() for one, *_ in pairs]
+        moved = [one._moved(context, newest) for one, context, newest in pairs]
+        for one, context, _ in pairs:
+            one._fade(context)
+        for (one, context, _), words in zip(pairs, moved, strict=True):
+            one._write(context, words)
+        for one, *_ in pairs:
+            one._clear_outputs()
+        for (one, *_), results in zip(pairs, done, strict=True):
+            one._set_outputs(results)
+        before.cycle += 1
+        if not self._rest:
+            self._tile.check_limit(before.region.index, before.now)
+
+    def _fail_after(self, before: RegionState, slot: Slot) -> None:
+        """The loop before goes on to its end, whose fault comes first if it has one."""
+        before._end_cycle(slot, before.iterations)
+        before.cycle += 1
+        while self._rest:
+            before._cycle(self._rest.popleft(), before.iterations)
+            before.cycle += 1
+
+    def _work(self, slot: Slot, newest: int) -> None:
         if slot.alu:
             self._issue(slot.alu, newest)
         if slot.control:
             self._issue_control(slot.control, newest)
         if slot.loads or slot.stores:
             self._access(slot, newest)
-        self._move(slot, newest)
 
     def _issue(self, ops: tuple[Op, ...], newest: int) -> None:
         state, ring, limit, cycle = self._state, self._ring, self._limit, self.cycle
@@ -267,8 +303,8 @@ class RegionState:
         """Loads see the scratchpad as before this cycle; of two stores the higher PE wins."""
         touched = self._load(slot.loads, newest) if slot.loads else []
         written = self._store(slot.stores, newest) if slot.stores else []
-        self._tile.scratchpad_reads += len(touched)
-        self._tile.scratchpad_writes += len(written)
+        self._counted["scratchpad_reads"] += len(touched)
+        self._counted["scratchpad_writes"] += len(written)
         memory = self._tile.memory
         for address, word, width in written:
             cell = address // WORD_BYTES
@@ -361,44 +397,60 @@ class RegionState:
         banks = [address % count for address in touched]
         self.stalls += max(map(banks.count, banks)) - 1
 
-    def _move(self, slot: Slot, newest: int) -> None:
-        """The end of the cycle: read every source first, then write every target."""
-        state, tile, cells = self._state, self._tile, self._tile.cells
-        ring = self._ring
-        place = self.cycle % len(ring)
-        done = ring[place]
-        ring[place] = []
-        res, out = cells.res_base, cells.out_base
+    # --- the end of the cycle: every source is read first, then every target is written ---
+
+    def _completions(self) -> list[Completion]:
+        ring, place = self._ring, self.cycle % len(self._ring)
+        done, ring[place] = ring[place], []
         for pe, word in done:
             if self._completed[pe] == self.cycle:
                 raise self._fault(pe, None, "two operations complete in one cycle")
             self._completed[pe] = self.cycle
-            state[res + pe] = word
-        links, links_rf = slot.links.fetch(state), slot.links_from_registers.fetch(state)
-        writes, writes_rf = slot.writes.fetch(state), slot.writes_from_registers.fetch(state)
-        captured = self._captured(slot.live_outs, newest) if slot.live_outs else ()
+            self._state[self._tile.cells.res_base + pe] = word
+        return done
+
+    def _moved(self, slot: Slot, newest: int) -> _Moved:
+        state = self._state
+        return (
+            slot.links.fetch(state),
+            slot.links_from_registers.fetch(state),
+            slot.writes.fetch(state),
+            slot.writes_from_registers.fetch(state),
+            self._captured(slot.live_outs, newest) if slot.live_outs else [],
+        )
+
+    def _fade(self, slot: Slot) -> None:
         for cell in slot.fades:
-            state[cell] = None
-        tile.link_words += self._write(slot.links, links)
-        tile.register_writes += self._write(slot.writes, writes)
+            self._state[cell] = None
+
+    def _write(self, slot: Slot, moved: _Moved) -> None:
+        links, links_rf, writes, writes_rf, captured = moved
+        counted = self._counted
+        counted["link_words"] += self._set(slot.links, links)
+        counted["register_writes"] += self._set(slot.writes, writes)
         if links_rf:
-            words = self._write(slot.links_from_registers, links_rf)
-            tile.link_words += words
-            tile.register_reads += words
+            words = self._set(slot.links_from_registers, links_rf)
+            counted["link_words"] += words
+            counted["register_reads"] += words
         if writes_rf:
-            words = self._write(slot.writes_from_registers, writes_rf)
-            tile.register_writes += words
-            tile.register_reads += words
+            words = self._set(slot.writes_from_registers, writes_rf)
+            counted["register_writes"] += words
+            counted["register_reads"] += words
         for target, word in captured:
-            state[target] = word
+            self._state[target] = word
+
+    def _clear_outputs(self) -> None:
         for pe, _ in self._outputs:
-            state[out + pe] = None
+            self._state[self._tile.cells.out_base + pe] = None
+
+    def _set_outputs(self, done: list[Completion]) -> None:
+        state, cells = self._state, self._tile.cells
         for pe, word in done:
-            state[res + pe] = None
-            state[out + pe] = word
+            state[cells.res_base + pe] = None
+            state[cells.out_base + pe] = word
         self._outputs = done
 
-    def _write(self, moves: Moves, words: tuple[int | None, ...]) -> int:
+    def _set(self, moves: Moves, words: tuple[int | None, ...]) -> int:
         """Write the targets; how many of the words are words."""
         state = self._state
         for cell, word in zip(moves.targets, words, strict=True):
@@ -418,8 +470,8 @@ class RegionState:
             if word is None:
                 raise self._nothing_read(live_out.pe, "live_out")
             captured.append((live_out.target, word))
-            self._tile.register_reads += live_out.from_register
-        self._tile.constant_writes += len(captured)
+            self._counted["register_reads"] += live_out.from_register
+        self._counted["constant_writes"] += len(captured)
         return captured
 
     def _nothing_read(self, pe: int, role: Literal["issue", "live_out"]) -> SimulationError:
@@ -436,7 +488,7 @@ class RegionState:
         slot = self.cycle % region.row.ii
         row = program.debug_row(region.index, slot, pe, role) if role is not None else None
         op = "" if row is None else f" ({row.op} {row.name}".rstrip() + ")"
-        cycle = self._tile.cycle + self.cycle + self.stalls
+        cycle = self.now
         name = program.regions[region.index].name
         return SimulationError(
             f"{what}: PE {pe}{op}, region {name}, cycle {cycle}",

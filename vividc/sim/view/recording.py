@@ -80,7 +80,10 @@ class Recording:
         """Where the region starts that follows the last that ended."""
         if not self.spans:
             return 0
-        return self.spans[-1].end + self.program.fabric.controller.switch_cycles
+        last = self.spans[-1]
+        if self.program.table[last.region].drain and last.iterations:
+            return last.end
+        return last.end + self.program.fabric.controller.switch_cycles
 
 
 def record(
@@ -129,6 +132,14 @@ def record(
     return watch.recording(max(first, end), tuple(spans), stopped)
 
 
+def _slots(region: RegionCode) -> tuple[tuple[Slot, ...], ...]:
+    return region.rest, region.slots
+
+
+def _by_pe(issued: Issued) -> int:
+    return issued.pe
+
+
 class _Watch:
     """Samples the cycles of a window."""
 
@@ -152,17 +163,22 @@ class _Watch:
         if not self._first <= cycle < self._end:
             return
         numbers = self._slots.setdefault(
-            region.index, {id(one): number for number, one in enumerate(region.slots)}
+            region.index,
+            {id(one): number for slots in _slots(region) for number, one in enumerate(slots)},
         )
-        self._samples.append((cycle, region.index, numbers[id(slot)]))
+        sample = (cycle, region.index, numbers[id(slot)])
         ops = (*slot.alu, *slot.control, *slot.loads, *slot.stores)
-        self._issued.append(
-            tuple(
-                Issued(op.pe, op.issue.op.value, newest - op.stage)
-                for op in sorted(ops, key=lambda op: op.pe)
-                if 0 <= newest - op.stage < limit
-            )
-        )
+        issued = [
+            Issued(op.pe, op.issue.op.value, newest - op.stage)
+            for op in ops
+            if 0 <= newest - op.stage < limit
+        ]
+        if self._samples and self._samples[-1][0] == cycle:  # what a loop before it still does
+            self._samples[-1] = sample
+            self._issued[-1] = tuple(sorted((*self._issued[-1], *issued), key=_by_pe))
+            return
+        self._samples.append(sample)
+        self._issued.append(tuple(sorted(issued, key=_by_pe)))
         self._touched.append(())
         self._words.append([NOTHING if word is None else word for word in state[: self._kept]])
 

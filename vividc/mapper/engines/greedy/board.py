@@ -12,7 +12,8 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from vividc.mapper.engines.greedy.compiled import inlined
-from vividc.mapper.engines.greedy.task import Task
+from vividc.mapper.engines.greedy.task import Grid, Task
+from vividc.mapper.problem import Drain
 from vividc.mapper.resources.arrays import Ints, Ints2
 
 NONE: Final = -1
@@ -91,8 +92,10 @@ _BY_PLACE: Final = ("parked", "last", "since")
 _BY_EDGE: Final = ("route", "length")
 
 
-def new_board(task: Task, cycles: int, room: int) -> Board:
-    """Nothing is placed; for schedules of so many cycles, and so many spots of words."""
+def new_board(task: Task, cycles: int, room: int, drain: Drain | None = None) -> Board:
+    """Nothing is placed, but for what is left of a loop; for schedules of so many cycles, and so
+    many spots of words.
+    """
     grid, nodes, keys = task.grid, len(task.nodes.kind), task.held.shape[1]
     a_cycle = dict.fromkeys(_BY_SPOT, grid.places) | dict.fromkeys(_BY_CYCLE_AND_PE, grid.pes)
     a_cycle |= dict.fromkeys(_BY_CYCLE, 1)
@@ -107,8 +110,11 @@ def new_board(task: Task, cycles: int, room: int) -> Board:
     cells[first.stored : first.held] = task.stored
     cells[first.held : first.numbers] = task.held.ravel()
     rows = {table: getattr(first, table) + row for table, row in a_cycle.items()}
+    begin = first._replace(**rows)  # from cycle 0 on: in the row before is what is before the first
+    if drain is not None:
+        _take(cells, begin, grid, nodes, drain)
     return Board(
-        first._replace(**rows),  # from cycle 0 on: in the row before is what is before the first
+        begin,
         grid.pes,
         grid.places,
         keys,
@@ -119,6 +125,29 @@ def new_board(task: Task, cycles: int, room: int) -> Board:
         np.zeros(room, dtype=np.int64),
         np.zeros(2, dtype=np.int64),
     )
+
+
+def _take(cells: Ints, begin: Begin, grid: Grid, node: int, drain: Drain) -> None:
+    """What a drain takes is taken for ever, in the name of a node that there is not."""
+    for pe, cycle in drain.issued:
+        cells[begin.issued + cycle * grid.pes + pe] = 1
+    for pe, cycle in drain.completed:
+        cells[begin.completed + cycle * grid.pes + pe] = 1
+    for pe, cycle in drain.shown:
+        cells[begin.shown + cycle * grid.pes + pe] = 1
+    for cycle, *_ in drain.accesses:
+        cells[begin.accesses + cycle] = grid.banks  # it would change which accesses wait
+    for kind, pe, index, cycle in drain.words:
+        place = index if kind == "link" else grid.first[pe] + index
+        cells[begin.word + cycle * grid.places + place] = node
+        if kind == "reg":
+            cells[begin.last + place] = max(cells[begin.last + place], cycle)
+    for pe, register, cycle in drain.written:
+        cells[begin.writing + cycle * grid.pes + pe] += 1
+        cells[begin.written + cycle * grid.places + grid.first[pe] + register] = 1
+    for pe, register, cycle in drain.read:
+        cells[begin.reading + cycle * grid.pes + pe] += 1
+        cells[begin.read + cycle * grid.places + grid.first[pe] + register] = 1
 
 
 # --- changes ---

@@ -197,7 +197,7 @@ def list_earliest(task: Task, board: Board, options: Options, node: int) -> None
     grid, begin, edges = task.grid, board.begin, task.edges
     earliest = options.earliest
     for pe in range(grid.pes):
-        earliest[pe] = 0
+        earliest[pe] = task.nodes.release[node, pe]
     for at in range(edges.before_begin[node], edges.before_begin[node + 1]):
         before, brings = edges.before[at, 0], edges.before[at, 2]
         if board.cells[begin.pe + before] == NONE:

@@ -81,6 +81,7 @@ class Region:
         longest = int((nodes.ends + nodes.busy + nodes.latency).max(initial=0))
         self.most = 2 * grid.diameter + 3 * PATIENCE + apart + longest + cycles_to_park(grid)
         least = max(max(heights.of.values(), default=1), len(self.nodes) // grid.pes)
+        least = max(least, 0 if problem.drain is None else problem.drain.cycles)
         self.cycles = least + least // 4 + 2 * self.most
         self.spots = _SPOTS * (_FEW + len(self.nodes))
 
@@ -202,7 +203,7 @@ class Schedule:
 
 
 def _new_pass(region: Region, rules: Rules) -> Pass:
-    task = region.task
+    task, drain = region.task, region.problem.drain
     pes = task.grid.pes
     most = int(np.diff(task.nodes.read_begin).max(initial=0))
     by_pe = [_zeros(pes) for _ in Options._fields[1:]]
@@ -210,11 +211,11 @@ def _new_pass(region: Region, rules: Rules) -> Pass:
     return Pass(
         task,
         rules,
-        new_board(task, region.cycles, region.spots),
+        new_board(task, region.cycles, region.spots, drain),
         new_search(task.grid, region.cycles),
         Ways(np.zeros((cycles_to_park(task.grid) + 1, pes), dtype=np.int64)),
         options,
-        _zeros(1),
+        ints((0 if drain is None else drain.cycles,)),
         _zeros(1),
     )
 

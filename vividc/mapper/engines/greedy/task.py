@@ -54,6 +54,7 @@ class Nodes(NamedTuple):
     `kind`: bits `LIVE_OUT`, `MEMORY`, `CONTROL`; `busy`: cycles for which it keeps its FU; `ends`:
     cycles of the region that it needs, itself alone; `access`: its row in `Task.meets`, or -1;
     `waits`: for how many others; `after` (nodes, PEs): cycles from its issue to the region's end.
+    `release` (nodes, PEs): the first cycle in which it may issue there.
     `pe`: its candidates; `key`: its entries of constant stores; `read`: edges that bring its words;
     `source`: where these come from, each node once, `times`: by how many edges; `fed`: edges that
     take its own word; `next`: what waits for it; `reader`: what reads the variable that it writes;
@@ -67,6 +68,7 @@ class Nodes(NamedTuple):
     access: Ints
     waits: Ints
     after: Ints2
+    release: Ints2
     pe_begin: Ints
     pe_items: Ints
     key_begin: Ints
@@ -174,10 +176,19 @@ def build_task(
         np.array([heights.after(node.id) for node in placed], dtype=np.int64).reshape(
             -1, len(fabric.pes)
         ),
+        _releases(problem, placed),
         *(part for row in rows for part in (row.begin, row.items)),
     )
     held = _stores(problem, candidates, keys, every)
     return Task(grid_of(fabric), nodes, edges, _often(meets, access), *held), placed
+
+
+def _releases(problem: MapProblem, placed: Sequence[Node]) -> Ints2:
+    pes = len(problem.fabric.pes)
+    if problem.drain is None:
+        return np.zeros((len(placed), pes), dtype=np.int64)
+    rows = [[problem.release(node, pe) for pe in range(pes)] for node in placed]
+    return np.array(rows, dtype=np.int64).reshape(-1, pes)
 
 
 def _kind(node: Node) -> int:

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from vividc.machine.opcodes import Opcode
 from vividc.machine.words import WORD_BYTES
 from vividc.program import Use
-from vividc.sim.native.plan.trace import Constant, Counter, FlowOp, Read, RegionFlow, Result
+from vividc.program.dataflow import Constant, Counter, FlowOp, Read, RegionFlow, Result
 
 LANES: Final = 16
 """Operations of one entry."""

@@ -1,3 +1,3 @@
-"""What native code will do: `trace` (where each word comes from), `schedule` (operations in order),
-`counts` (activity without counting), `layout` (what code and caller share).
+"""What native code will do: `schedule` (operations in order), `counts` (activity without counting),
+`layout` (what code and caller share).
 """

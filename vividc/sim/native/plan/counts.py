@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.machine.opcodes import MEMORY
+from vividc.program.dataflow import Constant, FlowOp, Move, RegionFlow, Result
 from vividc.sim.engine import Activity, RegionRun
 from vividc.sim.native.plan.layout import Sum
-from vividc.sim.native.plan.trace import Constant, FlowOp, Move, RegionFlow, Result
 
 
 @dataclass(frozen=True, slots=True)

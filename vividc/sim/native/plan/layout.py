@@ -12,7 +12,7 @@ from enum import IntEnum
 from typing import Final
 
 from vividc.program import Program
-from vividc.sim.native.plan.trace import Constant
+from vividc.program.dataflow import Constant
 
 BITS: Final = 64
 MEMORY_SLACK_BYTES: Final = 8
@@ -33,6 +33,7 @@ class Place(IntEnum):
     RESUME = 8  # 1: inside a loop, which was suspended
     NOW = 9  # cycle of the suspension
     TABLES = 10  # address of the words of all tables
+    OVERLAP = 11  # cycles of region NEXT in which the loop before it was still under way
 
 
 class Status(IntEnum):

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from vividc.machine.opcodes import Opcode
 from vividc.program import Use
-from vividc.sim.native.plan.trace import Constant, FlowCapture, FlowOp, RegionFlow, Result
+from vividc.program.dataflow import Constant, FlowCapture, FlowOp, RegionFlow, Result
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,9 +14,9 @@ from typing import Literal
 from vividc.machine.opcodes import Opcode
 from vividc.machine.words import WORD_BYTES
 from vividc.program import Use
+from vividc.program.dataflow import Constant, Counter, FlowCapture, FlowOp, Read, Result
 from vividc.sim.native.plan.layout import BOUND_OF_WIDTH, Layout
 from vividc.sim.native.plan.schedule import Schedule
-from vividc.sim.native.plan.trace import Constant, Counter, FlowCapture, FlowOp, Read, Result
 from vividc.sim.native.write.operations import lower
 from vividc.sim.native.write.text import FALSE, TRUE, Code
 

@@ -46,6 +46,8 @@ def finish(frame: Frame, end: End) -> None:
     """The end of a run that had an iteration."""
     code = frame.code
     cycles = code.value(f"add i64 {end.end}, {end.values[('stalls',)]}")
+    if frame.begins_early:
+        cycles = code.value(f"sub i64 {cycles}, {frame.get(Place.OVERLAP)}")
     now = code.value(f"add i64 {frame.base}, {cycles}")
     limit = frame.get(Place.CYCLE_LIMIT)
     over = code.either(
@@ -54,7 +56,13 @@ def finish(frame: Frame, end: End) -> None:
     )
     code.do(f"br i1 {over}, label %limit, label %over")
     code.start("over")
-    _continue(frame, now, end.branch)
+    row = frame.flow.row
+    if row.drain:
+        _go_on(frame, now, str(row.next), "0")
+    else:
+        _continue(frame, now, end.branch)
+    if row.drain or frame.begins_early:
+        frame.set(Place.OVERLAP, str(row.drain))
     _write_back(frame, end.values)
     sums = {
         Sum.ENTRIES: "1",
@@ -128,6 +136,11 @@ def _continue(frame: Frame, now: str, branch: str) -> None:
         switch = code.choose(goes_on, "i64", str(frame.switch_cycles), "0")
         now = code.value(f"add i64 {now}, {switch}")
         _check_switch(frame, now, goes_on)
+    _go_on(frame, now, following, switch)
+
+
+def _go_on(frame: Frame, now: str, following: str, switch: str) -> None:
+    code = frame.code
     frame.set(Place.NEXT, following)
     frame.set(Place.CYCLE, now)
     frame.set(Place.ENTRIES, frame.entries)

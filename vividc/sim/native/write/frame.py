@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from vividc.program.dataflow import Constant, RegionFlow
 from vividc.sim.native.plan.counts import CountClass
-from vividc.sim.native.plan.trace import Constant, RegionFlow
 from vividc.sim.native.write.body import Machine
 from vividc.sim.native.write.text import Code
 
@@ -19,6 +19,8 @@ class Frame:
     ----------
     sums
         First word of the region's sums.
+    begins_early
+        A loop may still have been under way when the region began.
     base, entries
         Cycle at which the region starts; regions run, this one included.
     trip
@@ -31,6 +33,7 @@ class Frame:
     classes: Sequence[CountClass]
     switch_cycles: int
     sums: int
+    begins_early: bool = False
     base: str = ""
     entries: str = ""
     trip: str = "1"

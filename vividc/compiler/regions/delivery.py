@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from vividc.arch.fabric import Fabric
-from vividc.compiler.homes import Homes, Residents
+from vividc.compiler.regions.homes import Homes, Residents
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.dfg.regions import Region, is_variable
 from vividc.machine.opcodes import BASE, Opcode

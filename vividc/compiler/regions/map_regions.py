@@ -4,46 +4,36 @@ time limit.
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator, Sequence
-from collections.abc import Mapping as ReadOnly
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, replace
-from functools import partial
-from typing import Literal
+from dataclasses import dataclass
 
 from vividc.arch.fabric import Fabric
-from vividc.compiler.delivery import deliver, with_homes
-from vividc.compiler.earlier import Earlier, posed, straight_key
-from vividc.compiler.homes import residents, variable_homes, with_residents
-from vividc.compiler.map_again import Runs, layout_for, with_fewer_cycles
-from vividc.compiler.shared_variables import with_shared_variables
+from vividc.compiler.regions.earlier import Earlier, posed
+from vividc.compiler.regions.homes import residents
+from vividc.compiler.regions.map_again import Runs, with_fewer_cycles
+from vividc.compiler.regions.map_straight import (
+    NODE_S,
+    IsLost,
+    Mapped,
+    Progress,
+    Straight,
+    spans_of,
+)
+from vividc.compiler.regions.shared_variables import with_shared_variables
 from vividc.dfg.alike import unnamed
 from vividc.dfg.ir import DFG
 from vividc.dfg.regions import Kernel, Region
-from vividc.errors import InternalError, MappingFailed, TimeLimit
+from vividc.errors import MappingFailed, TimeLimit
 from vividc.host import time_limit
 from vividc.mapper import EffortLevel, MapProblem, MapResult, map_dfg
 from vividc.mapper.api import about
 from vividc.mapper.bounds.bounds import all_bounds, mii
-from vividc.mapper.bounds.straight import straight_lower_bound
 from vividc.mapper.check.verify import violations
 from vividc.mapper.deadline import Deadline, limited
-from vividc.mapper.engines.list_schedule import list_schedule
 from vividc.mapper.engines.negotiate import least_span
-from vividc.mapper.mapping import Mapping, Status
-from vividc.mapper.resources.banks import NOTHING, Meets, Traffic
-from vividc.program.encoder.checks import span_of
-
-Progress = Callable[[str], None]
-
-IsLost = Callable[[ReadOnly[int, tuple[int, int]]], bool]
-"""Whether a kernel is of no use whose regions have at least these IIs and spans, by index."""
-
-_Thrift = Literal["none", "frugal", "last"]
-"""How entries in constant stores are spared for regions scheduled later: not, as `list_schedule`
-does, or that in the last attempt.
-"""
+from vividc.mapper.mapping import Mapping
+from vividc.mapper.result import mapping_of
 
 _SEARCH = "the search for mappings"
 
@@ -52,9 +42,6 @@ LEAST_S = 0.3
 
 _LEAST_LOOP_S = 0.1
 """A loop that has less time is not tried: it runs block by block."""
-
-_STRAIGHT_NODE_S = 0.003
-"""Rough seconds that one trial of a straight region takes for each node."""
 
 _STRAIGHT_SHARE = 0.5
 """Largest share of the time that is kept for straight regions while loops are mapped."""
@@ -139,7 +126,7 @@ def map_kernel(
         chosen = results
         if runs is not None and options.mapper == "auto" and options.effort != "fast":
             chosen = with_fewer_cycles(kernel, fabric, results, runs, effort, earlier.again)
-        before, after = (_spans(kernel, fabric, loops) for loops in (results, chosen))
+        before, after = (spans_of(kernel, fabric, loops) for loops in (results, chosen))
         if is_lost({index: min(span, after[index]) for index, span in before.items()}):
             return None
         return _finished(kernel, fabric, options, runs, earlier, is_lost, (results, chosen))
@@ -153,12 +140,12 @@ def _finished(
     earlier: Earlier,
     is_lost: IsLost,
     loops: tuple[dict[int, MapResult], dict[int, MapResult]],
-) -> tuple[Kernel, dict[int, MapResult]] | None:
+) -> Mapped | None:
     """With straight regions beside the loops as they are chosen, or as they were mapped first if
     that leaves more room; at last with variables that share their places.
     """
     first, chosen = loops
-    finish = partial(_with_straight, fabric, options, runs, earlier, is_lost)
+    finish = Straight(fabric, options.progress, runs, earlier, is_lost).mapped
     is_crowded = any(unnamed(region.dfg) in earlier.crowded for region in kernel.regions)
     with suppress(MappingFailed):
         if not is_crowded:
@@ -169,14 +156,6 @@ def _finished(
     with suppress(MappingFailed):
         return finish(kernel, first, "frugal")
     return finish(with_shared_variables(kernel), first, "last")
-
-
-def _spans(
-    kernel: Kernel, fabric: Fabric, results: dict[int, MapResult]
-) -> dict[int, tuple[int, int]]:
-    """The II and the span of each mapped region."""
-    found = ((index, mapping_of(result)) for index, result in results.items())
-    return {i: (made.ii, span_of(kernel.regions[i], made, fabric)) for i, made in found}
 
 
 def _least(
@@ -199,47 +178,6 @@ def _bounds(kernel: Kernel, fabric: Fabric) -> dict[int, tuple[int, int]]:
     return found
 
 
-def _with_straight(
-    fabric: Fabric,
-    options: MapOptions,
-    runs: Runs | None,
-    earlier: Earlier,
-    is_lost: IsLost,
-    kernel: Kernel,
-    results: dict[int, MapResult],
-    thrift: _Thrift,
-) -> tuple[Kernel, dict[int, MapResult]] | None:
-    """The kernel with deliveries, and the results of loops with those of straight regions, which
-    are crowded if there is no room for them without thrift, and hopeless in the last attempt.
-    """
-    results = dict(results)
-    loops = {index: mapping_of(result) for index, result in results.items()}
-    homes = variable_homes(kernel, fabric, loops, None if runs is None else runs.entries)
-    known = NOTHING if runs is None else layout_for(kernel, fabric, results, runs)
-    there = residents(fabric, ((kernel.regions[i].dfg, loop) for i, loop in loops.items()))
-    regions = list(kernel.regions)
-    straight = [(i, r) for i, r in enumerate(kernel.regions) if r.kind != "loop"]
-    pace = _Pace(sum(len(region.dfg.placed) for _, region in straight))
-    for index, region in straight:
-        held = with_homes(there, homes)
-        ready = deliver(region, homes, fabric, held)
-        problem = MapProblem(ready.dfg, fabric, ready.allowed, held)
-        try:
-            meets = Traffic.of(ready.dfg, fabric.scratchpad, 1).meets(known)
-            scheduled = partial(_scheduled, earlier, pace, meets, frugal=thrift != "none")
-            results[index] = _map_straight(problem, options, scheduled)
-        except MappingFailed as error:
-            if thrift == "last":
-                earlier.hopeless[unnamed(region.dfg)] = error
-            earlier.crowded.add(unnamed(region.dfg))
-            raise
-        if is_lost(_spans(kernel, fabric, results)):
-            return None
-        regions[index] = replace(region, dfg=ready.dfg)
-        there = with_residents(there, fabric, ready.dfg, mapping_of(results[index]))
-    return replace(kernel, regions=tuple(regions)), results
-
-
 @contextmanager
 def guarded(seconds: float, *, grace_s: float = 0.0) -> Iterator[None]:
     """Limits what is done inside to so many seconds, and notes if the clock ended it."""
@@ -249,34 +187,6 @@ def guarded(seconds: float, *, grace_s: float = 0.0) -> Iterator[None]:
         finally:
             if guard.left_s <= 0.0:
                 time_limit.left_out(_SEARCH)
-
-
-@dataclass
-class _Pace:
-    """How fast straight regions are scheduled, to predict the time of the rest."""
-
-    nodes: int
-    done: int = 0
-    spent_s: float = 0.0
-    _of_this: int = 0
-    _began: float = 0.0
-
-    def begin(self, nodes: int) -> None:
-        """A region of so many nodes is scheduled now."""
-        self.nodes -= nodes
-        self._of_this, self._began = nodes, time_limit.now()
-
-    def leaves_time(self) -> bool:
-        """Whether another trial of the region leaves time for one of each other."""
-        if self._of_this:  # its first trial is over
-            self.spent_s += time_limit.now() - self._began
-            self.done += self._of_this
-            self._of_this = 0
-        node_s = max(self.spent_s / max(self.done, 1), _STRAIGHT_NODE_S)
-        if time_limit.remaining_s() > self.nodes * node_s:
-            return True
-        time_limit.left_out("the search for shorter schedules of straight regions")
-        return False
 
 
 def _map_loops(
@@ -294,7 +204,7 @@ def _map_loops(
     loops = _in_order(kernel, fabric)
     nodes = sum(len(region.dfg.placed) for region in kernel.regions if region.kind != "loop")
     left_s = time_limit.remaining_s()
-    reserve_s = min(nodes * _STRAIGHT_NODE_S, _STRAIGHT_SHARE * left_s)
+    reserve_s = min(nodes * NODE_S, _STRAIGHT_SHARE * left_s)
     until = time_limit.now() + max(left_s - reserve_s, LEAST_S)
     results: dict[int, MapResult] = {}
     done: list[tuple[DFG, Mapping]] = []
@@ -387,55 +297,6 @@ def _mapped_loop(
         return MappingFailed(text, loc=region.loc)
     text = f"{region.name} was not mapped in time: {result.explain()}"
     return TimeLimit(text, loc=region.loc, hint=hint)
-
-
-def _scheduled(
-    earlier: Earlier, pace: _Pace, meets: Meets, problem: MapProblem, *, frugal: bool
-) -> Mapping:
-    """The schedule of a straight region, which is kept for another stage's."""
-    pace.begin(len(problem.dfg.placed))
-    key = posed(problem), straight_key(meets, frugal)
-    if key not in earlier.straight:
-        try:
-            made = list_schedule(problem, pace.leaves_time, frugal=frugal, meets=meets)
-        except MappingFailed as error:
-            earlier.straight[key] = error
-            raise
-        earlier.straight[key] = made
-    known = earlier.straight[key]
-    if isinstance(known, MappingFailed):
-        raise known
-    return known
-
-
-def _map_straight(
-    problem: MapProblem, options: MapOptions, scheduled: Callable[[MapProblem], Mapping]
-) -> MapResult:
-    start = time.monotonic()
-    mapping = scheduled(problem)
-    faults = violations(
-        problem.dfg,
-        problem.fabric,
-        mapping,
-        allowed=problem.allowed,
-        resident=problem.resident,
-        straight=True,
-    )
-    if faults:
-        raise InternalError(f"list schedule of {problem.dfg.name}: {faults[0].message}")
-    bound = straight_lower_bound(problem)
-    wall_s = time.monotonic() - start
-    if options.progress is not None:
-        options.progress(f"{problem.dfg.name}: {mapping.ii} cycles")
-    status: Status = "optimal" if mapping.ii <= bound.ii else "feasible"
-    return MapResult(status, mapping.ii, bound.ii, (bound,), mapping, "list", wall_s)
-
-
-def mapping_of(result: MapResult) -> Mapping:
-    """The mapping that a result must have."""
-    if result.mapping is None:
-        raise InternalError("a region without a mapping was passed on")
-    return result.mapping
 
 
 def _prefixed(progress: Progress | None, region: Region) -> Progress | None:

@@ -12,12 +12,14 @@ reference engine runs it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
-from vividc.program import Capture, Entry, Issue, Operand, Program, RegionRow, Sel, Select, Use
+from vividc.program.program import Program
+from vividc.program.tables import RegionRow
+from vividc.program.words.entry import Capture, Entry, Issue, Operand, Sel, Select, Use
 
 _MEMORY_NAMES: Final = frozenset(op.value for op in MEMORY)
 _LOOP_USES: Final = (Use.NONE, Use.EXIT)
@@ -106,12 +108,17 @@ class Move:
         A link word; else a register write.
     from_register
         The word is read from a register.
+    slot, pe, port
+        The context, the PE and which of its links or write ports.
     """
 
     op: int
     age: int
     is_link: bool
     from_register: bool
+    slot: int
+    pe: int
+    port: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,19 +150,25 @@ class _Irregular(Exception):
     """The region is left to the reference engine."""
 
 
-def trace(program: Program, region: int) -> RegionFlow | None:
-    """The dataflow of a region, None if it is left to the reference engine."""
+def trace(program: Program, region: int, contexts: Sequence[Sequence[Entry]]) -> RegionFlow | None:
+    """The dataflow of a region, None if it is left to the reference engine.
+
+    Parameters
+    ----------
+    contexts
+        Its own entries, without what is left of a loop before it.
+    """
     try:
-        return _Tracer(program, region).flow()
+        return _Tracer(program, region, contexts).flow()
     except _Irregular:
         return None
 
 
 class _Tracer:
-    def __init__(self, program: Program, region: int) -> None:
+    def __init__(self, program: Program, region: int, contexts: Sequence[Sequence[Entry]]) -> None:
         self._fabric = program.fabric
         self._row = program.table[region]
-        self._contexts = program.entries[self._row.context : self._row.context + self._row.ii]
+        self._contexts = contexts
         self._issues = [
             (slot, pe, entry.issue)
             for slot, entries in enumerate(self._contexts)
@@ -259,13 +272,14 @@ class _Tracer:
     def _moves(self) -> Iterator[Move]:
         for slot, entries in enumerate(self._contexts):
             for pe, entry in enumerate(entries):
-                selects = [(select, True) for select in entry.links]
-                selects += [(write.select, False) for write in entry.writes]
-                for select, is_link in selects:
+                selects = [(select, True, port) for port, select in enumerate(entry.links)]
+                selects += [(w.select, False, port) for port, w in enumerate(entry.writes)]
+                for select, is_link, port in selects:
                     source = self._result(slot, pe, select)
                     if source is not None:
                         from_register = select.kind is Sel.RF
-                        yield Move(source.op, source.age, is_link, from_register)
+                        moved = (source.op, source.age, is_link, from_register)
+                        yield Move(*moved, slot, pe, port)
 
     def _result(self, slot: int, pe: int, select: Select) -> Result | None:
         """What a multiplexer selects in a slot; None: never a word."""

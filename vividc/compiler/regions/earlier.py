@@ -56,7 +56,9 @@ def posed(problem: MapProblem) -> Hashable:
         (pe, len(keys), frozenset(known[key] for key in keys if key in known))
         for pe, keys in sorted(problem.resident.items())
     )
-    return numbered(dfg, every), tuple(held), tuple(sorted(problem.allowed.items()))
+    allowed = tuple(sorted(problem.allowed.items()))
+    drain = None if problem.drain is None else problem.drain.renamed(known)
+    return numbered(dfg, every), tuple(held), allowed, drain
 
 
 def straight_key(meets: Meets, frugal: bool) -> Hashable:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from vividc import arch
 from vividc.arch.fabric import Fabric
-from vividc.compiler.homes import Homes, variable_homes
+from vividc.compiler.regions.homes import Homes, variable_homes
 from vividc.dfg.forms.text_parser import parse
 from vividc.dfg.regions import Kernel, Region
 from vividc.mapper.mapping import Mapping, Place

@@ -11,10 +11,10 @@ import pytest
 import vividc
 from vividc import arch
 from vividc.arch.fabric import Fabric
-from vividc.compiler import map_regions
 from vividc.compiler.driver import lower
-from vividc.compiler.earlier import Earlier, posed
-from vividc.compiler.map_regions import MapOptions, map_kernel, mapping_of
+from vividc.compiler.regions import map_regions, map_straight
+from vividc.compiler.regions.earlier import Earlier, posed
+from vividc.compiler.regions.map_regions import MapOptions, map_kernel
 from vividc.dfg.alike import names, numbered
 from vividc.dfg.ir import DFG
 from vividc.dfg.regions import Kernel
@@ -23,6 +23,7 @@ from vividc.mapper import MapProblem, MapResult
 from vividc.mapper.engines.list_schedule import list_schedule
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.resources.banks import Meets
+from vividc.mapper.result import mapping_of
 
 
 @vividc.kernel("void(float32[::1], float32[::1], float32)")
@@ -95,7 +96,7 @@ def test_an_equal_kernel_is_mapped_without_a_search(monkeypatch: pytest.MonkeyPa
 
     again: list[str] = []
     monkeypatch.setattr(map_regions, "map_dfg", none)
-    monkeypatch.setattr(map_regions, "list_schedule", scheduled)
+    monkeypatch.setattr(map_straight, "list_schedule", scheduled)
     second = map_kernel(other, fabric, MapOptions(), earlier)
     assert isinstance(first, tuple)
     assert isinstance(second, tuple)

@@ -16,9 +16,9 @@ from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
 from vividc.arch.fabric import Fabric
-from vividc.compiler.earlier import posed
-from vividc.compiler.homes import residents
 from vividc.compiler.planning.estimate import RegionCost
+from vividc.compiler.regions.earlier import posed
+from vividc.compiler.regions.homes import residents
 from vividc.dfg.regions import Kernel
 from vividc.errors import InternalError
 from vividc.mapper import MapProblem, MapResult
@@ -35,6 +35,7 @@ from vividc.mapper.engines.negotiate import (
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.resources.banks import NO_MEETINGS, Meetings, Traffic, Words, words_of
 from vividc.mapper.resources.plain_core import named_anew, unrotated
+from vividc.mapper.result import mapping_of
 from vividc.program.encoder.banks import TRIES, choose_layout
 from vividc.program.encoder.checks import span_of
 
@@ -131,7 +132,7 @@ def _with_fewer_stalls(
     first = least = loops.total(tried, known)
     ways: tuple[_Way, ...] = ("open", "anew", "stay")
     for way in ways:
-        left = sum(loops.stalls(index, _mapping(made), known) for index, made in tried.items())
+        left = sum(loops.stalls(index, mapping_of(made), known) for index, made in tried.items())
         if left < _PAYS * first or deadline.passed:
             break
         tried = _settled(loops, results, deadline, way, _PAYS * first)
@@ -155,7 +156,7 @@ def _settled(
     better = dict(results)
     known = loops.known_if_open(better) if way == "open" else loops.known(better)
     before = loops.total(better, known)
-    stalls = {index: loops.stalls(index, _mapping(better[index]), known) for index in better}
+    stalls = {index: loops.stalls(index, mapping_of(better[index]), known) for index in better}
     for index in sorted(stalls, key=lambda index: -stalls[index]):
         if stalls[index] < least or deadline.passed:
             break
@@ -174,8 +175,8 @@ def _with_shorter_iterations(
 ) -> dict[int, MapResult]:
     better = dict(results)
     known = loops.known(better)
-    every = sum(loops.cost(index, _mapping(better[index]), known) for index in better)
-    saved = {index: loops.spared(index, _mapping(better[index])) for index in better}
+    every = sum(loops.cost(index, mapping_of(better[index]), known) for index in better)
+    saved = {index: loops.spared(index, mapping_of(better[index])) for index in better}
     for index in sorted(saved, key=lambda index: -saved[index]):
         if saved[index] < _SHORTER_PAYS * every or deadline.passed:
             break
@@ -222,7 +223,7 @@ class _Loops:
         """Where arrays start and how far apart their rows lie, as is best for these mappings;
         of many it is asked for, and so it is sought but once.
         """
-        traffic = [self.traffic(index, _mapping(result)) for index, result in results.items()]
+        traffic = [self.traffic(index, mapping_of(result)) for index, result in results.items()]
         pitches, starts = choose_layout(self.kernel, traffic, tries)
         return words_of(starts, pitches)
 
@@ -231,7 +232,7 @@ class _Loops:
         that are drawn: with those of their mappings PolyBench takes 1.02 times as long.
         """
         traffic = [
-            replace(self.traffic(index, _mapping(result)), times=None, spread=True)
+            replace(self.traffic(index, mapping_of(result)), times=None, spread=True)
             for index, result in results.items()
         ]
         pitches, starts = choose_layout(self.kernel, traffic)
@@ -249,7 +250,7 @@ class _Loops:
 
     def total(self, results: ReadOnly[int, MapResult], known: Words) -> float:
         """Expected cycles of a run in all loops."""
-        return sum(self.cost(index, _mapping(result), known) for index, result in results.items())
+        return sum(self.cost(index, mapping_of(result), known) for index, result in results.items())
 
     def span(self, index: int, mapping: Mapping) -> int:
         """Cycles of an iteration."""
@@ -267,7 +268,7 @@ class _Loops:
         """A mapping of a loop at its II with shorter iterations, and no more stalls, which are only
         expected; the one it has where none is found.
         """
-        best = _mapping(results[index])
+        best = mapping_of(results[index])
         problem = self.problem(index, results)
         least = least_span(problem, best.ii)
         stalls = self.stalls(index, best, known)
@@ -290,7 +291,7 @@ class _Loops:
     def problem(self, index: int, results: ReadOnly[int, MapResult]) -> MapProblem:
         """A loop beside the others as they are mapped."""
         others = [
-            (self.kernel.regions[other].dfg, _mapping(result))
+            (self.kernel.regions[other].dfg, mapping_of(result))
             for other, result in results.items()
             if other != index
         ]
@@ -306,7 +307,7 @@ class _Loops:
         anew: bool,
     ) -> _Again | None:
         """The least costly of some mappings of a loop at its II; None: there is none."""
-        old, problem = _mapping(results[index]), self.problem(index, results)
+        old, problem = mapping_of(results[index]), self.problem(index, results)
         meetings = self.traffic(index, old).meetings(known)
         stalls, least = self.stalls(index, old, known), self.total(results, known)
         enough = least - (1.0 - _ENOUGH) * stalls
@@ -374,9 +375,3 @@ class _Loops:
         if faults:
             raise InternalError(f"another mapping of {problem.dfg.name}: {faults[0].message}")
         return named
-
-
-def _mapping(result: MapResult) -> Mapping:
-    if result.mapping is None:
-        raise InternalError("a loop without a mapping was to be mapped again")
-    return result.mapping

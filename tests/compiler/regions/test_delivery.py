@@ -6,7 +6,7 @@ from typing import Final
 
 from vividc import arch
 from vividc.arch.fabric import Fabric
-from vividc.compiler.delivery import Delivery, deliver, with_homes
+from vividc.compiler.regions.delivery import Delivery, deliver, with_homes
 from vividc.dfg.forms.text import to_text
 from vividc.dfg.forms.text_parser import parse
 from vividc.dfg.regions import Region

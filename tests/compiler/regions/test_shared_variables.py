@@ -12,7 +12,7 @@ import vividc
 from tests.dfg.cut.test_build import memory_after
 from tests.programs import Assign, For, If, Load, Store, lower, programs
 from vividc import arch
-from vividc.compiler.shared_variables import with_shared_variables
+from vividc.compiler.regions.shared_variables import with_shared_variables
 from vividc.dfg.check import check
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.regions import RETURN_VARIABLE, Kernel, is_variable

@@ -9,8 +9,8 @@ import vividc
 from vividc import arch
 from vividc.arch.fabric import Fabric
 from vividc.compiler.driver import lower
-from vividc.compiler.map_again import Runs
-from vividc.compiler.map_regions import MapOptions, map_kernel
+from vividc.compiler.regions.map_again import Runs
+from vividc.compiler.regions.map_regions import MapOptions, map_kernel
 from vividc.dfg.regions import Kernel
 from vividc.mapper import MapResult
 from vividc.mapper.check.verify import violations
@@ -143,8 +143,8 @@ def test_seeds_that_map_nothing_end_a_search_the_sooner_the_more_they_cost(
     def nothing(_: object, ii: int, seed: int, *_others: object, frame: Frame) -> None:
         seeds.setdefault(ii if frame.meetings.accesses else 0, set()).add(seed)
 
-    monkeypatch.setattr("vividc.compiler.map_again.negotiate", nothing)
-    monkeypatch.setattr("vividc.compiler.map_again.annealing_s", lambda *_: annealing_s)
+    monkeypatch.setattr("vividc.compiler.regions.map_again.negotiate", nothing)
+    monkeypatch.setattr("vividc.compiler.regions.map_again.annealing_s", lambda *_: annealing_s)
     _, results, _, _ = mapped(eight_apart, runs=True)
     assert all(result.mapping is not None for result in results.values())
     assert max(map(len, seeds.values())) == most

@@ -1,0 +1,161 @@
+"""Straight regions that begin while the loop before them ends."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import vividc
+from tests.sim.native.agreement import agreed_run, launch, outcome, same
+from vividc.errors import BundleError
+from vividc.host.once import once_each
+from vividc.program import Program, RegionRow, from_bytes
+from vividc.program.drains import parts
+from vividc.sim import NativeEngine, ReferenceEngine
+from vividc.sim.engine import RegionSpan
+
+
+@vividc.kernel("int32(int32[::1], int32[::1], int32[::1])")
+def rows(ends, a, out):
+    """Weighted sums of pieces that end where they say: of any length, none among them."""
+    begin = 0
+    total = 0
+    for i in range(ends.shape[0]):
+        total = total * 3
+        for j in range(begin, ends[i]):
+            total += (a[j] * a[j] + 7) * (j - begin)
+        out[i] = total + i
+        begin = ends[i]
+    return total
+
+
+def expected(ends: np.ndarray, a: np.ndarray) -> np.ndarray:
+    out = np.zeros(len(ends), np.int32)
+    rows(ends, a, out)
+    return out
+
+
+@once_each
+def of(_: type) -> Program:
+    """Compiled once."""
+    return vividc.compile(rows, fabric="vivid-tile", loops=vividc.LoopOptions(auto=False))
+
+
+@pytest.fixture
+def program() -> Program:
+    return of(Program)
+
+
+def drained(program: Program) -> tuple[int, RegionRow]:
+    found = [(index, row) for index, row in enumerate(program.table) if row.drain]
+    assert len(found) == 1
+    return found[0]
+
+
+def with_row(program: Program, index: int, row: RegionRow) -> Program:
+    return replace(program, table=(*program.table[:index], row, *program.table[index + 1 :]))
+
+
+@pytest.mark.parametrize("lengths", [(0,), (1,), (2, 0, 1), (3, 9, 0, 0, 2), (1, 40, 1)])
+def test_loops_of_any_length_end_early(program: Program, lengths: tuple[int, ...]) -> None:
+    """Fewer iterations than there are stages, and none."""
+    ends = np.cumsum(lengths).astype(np.int32)
+    a = np.arange(-3, max(1, ends[-1]) - 3, dtype=np.int32)
+    out = np.zeros(len(ends), np.int32)
+    assert vividc.simulate(program, ends, a, out).value == rows(ends, a, out.copy())
+    np.testing.assert_array_equal(out, expected(ends, a))
+    agreed_run(program, launch(program, ends, a, out))
+
+
+def test_a_drain_saves_its_cycles_and_the_switch(program: Program) -> None:
+    loop, row = drained(program)
+    assert row.next is not None
+    behind, switch = program.table[row.next], program.fabric.controller.switch_cycles
+    ends = np.array([6, 6, 15], np.int32)
+    run = agreed_run(program, launch(program, ends, np.arange(15, dtype=np.int32), ends.copy()))
+    of_loop, of_behind = run.regions[loop], run.regions[row.next]
+    assert (of_loop.entries, of_loop.iterations) == (3, 15)
+    assert of_loop.cycles == of_loop.bank_stalls + 13 * row.ii + 2 * row.span
+    assert of_behind.cycles == 3 * behind.ii - 2 * row.drain
+    entries = sum(region.entries for region in run.regions)
+    assert run.switch_cycles == switch * (entries - 1 - 2)
+    assert run.cycles == run.switch_cycles + sum(region.cycles for region in run.regions)
+
+
+def test_observers_see_no_cycle_twice(program: Program) -> None:
+    ends = np.array([3, 3, 9], np.int32)
+    given = launch(program, ends, np.arange(9, dtype=np.int32), ends.copy())
+    spans: list[list[RegionSpan]] = []
+    for engine in (ReferenceEngine(program), NativeEngine(program)):
+        seen: list[RegionSpan] = []
+        engine.run(replace(given, observer=seen.append))
+        spans.append(seen)
+    assert spans[0] == spans[1]
+    assert all(a.end <= b.start for a, b in zip(spans[0], spans[0][1:], strict=False))
+
+
+@pytest.mark.parametrize("limit", range(0, 120, 7))
+def test_cycle_limits(program: Program, limit: int) -> None:
+    ends = np.array([3, 3, 9], np.int32)
+    given = launch(program, ends, np.arange(9, dtype=np.int32), ends.copy(), cycle_limit=limit)
+    same(outcome(ReferenceEngine(program), given), outcome(NativeEngine(program), given))
+
+
+def test_faults_while_the_region_behind_is_under_way(program: Program) -> None:
+    """An access outside its array, in a late stage or in the region behind."""
+    for last in (4, 5, 12):
+        ends = np.array([3, last], np.int32)
+        given = launch(program, ends, np.arange(4, dtype=np.int32), ends.copy())
+        same(outcome(ReferenceEngine(program), given), outcome(NativeEngine(program), given))
+
+
+def test_words_are_parted(program: Program) -> None:
+    loop, row = drained(program)
+    made = parts(program)
+    assert not made.faults
+    rest = made.rests[loop]
+    assert len(rest) == row.drain
+    assert any(entry.issue is not None for entries in rest for entry in entries)
+    stages = [e.issue.stage for entries in rest for e in entries if e.issue is not None]
+    assert min(stages) >= 1
+    assert row.next is not None
+    own = made.own[row.next]
+    assert all(e.issue.stage == 0 for entries in own for e in entries if e.issue is not None)
+
+
+def test_files_keep_drains(program: Program) -> None:
+    assert from_bytes(program.to_bytes()) == program
+
+
+@pytest.mark.parametrize("change", ["longer", "negative", "exit", "uncounted", "ends", "short"])
+def test_rows_that_cannot_end_early(program: Program, change: str) -> None:
+    loop, row = drained(program)
+    rows_ = {
+        "longer": replace(row, drain=row.span),
+        "negative": replace(row, drain=-1),
+        "exit": replace(row, has_exit=True),
+        "uncounted": replace(row, counted=False),
+        "ends": replace(row, next=None),
+        "short": replace(row, drain=row.drain - 1 or row.drain + 1),
+    }
+    broken = with_row(program, loop, rows_[change])
+    refused(broken, f"region {loop} cannot end")
+
+
+def test_a_straight_region_has_no_drain(program: Program) -> None:
+    index = next(i for i, row in enumerate(program.table) if row.kind == "straight")
+    refused(with_row(program, index, replace(program.table[index], drain=1)), "it is no loop")
+
+
+def test_two_loops_cannot_end_in_one_region(program: Program) -> None:
+    _, row = drained(program)
+    refused(replace(program, table=(*program.table, row)), "another loop ends there")
+
+
+def refused(program: Program, text: str) -> None:
+    """By whoever reads it, and by both engines."""
+    for engine in (ReferenceEngine, NativeEngine):
+        with pytest.raises(BundleError, match=text):
+            engine(program)
