@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 import vividc
 from tests.sim.native.agreement import agreed_run, launch, outcome, same
-from vividc.errors import BundleError
+from vividc.compiler.regions import map_straight
+from vividc.errors import BundleError, InternalError
 from vividc.host.once import once_each
+from vividc.mapper.problem import Drain
+from vividc.mapper.resources.drain import drain_of
 from vividc.program import Program, RegionRow, from_bytes
 from vividc.program.drains import parts
 from vividc.sim import NativeEngine, ReferenceEngine
@@ -29,6 +33,15 @@ def rows(ends, a, out):
         out[i] = total + i
         begin = ends[i]
     return total
+
+
+@vividc.kernel("void(int32, int32[::1], int32[::1], int32[::1], int32[::1])")
+def beside(n, x, y, z, w):
+    """Behind the loop an array is read that it does not write, so perhaps while it still runs."""
+    for i in range(z.shape[0]):
+        for j in range(n):
+            y[j] = x[j] * x[j] * 3 + i
+        z[i] = w[i] + 1
 
 
 def expected(ends: np.ndarray, a: np.ndarray) -> np.ndarray:
@@ -111,6 +124,19 @@ def test_faults_while_the_region_behind_is_under_way(program: Program) -> None:
         same(outcome(ReferenceEngine(program), given), outcome(NativeEngine(program), given))
 
 
+def test_of_two_faults_the_loops_comes_first() -> None:
+    """The region behind would access its array out of bounds before the loop does."""
+    program = vividc.compile(beside, fabric="vivid-tile", loops=vividc.LoopOptions(auto=False))
+    drained(program)
+    for lengths, array in (((9, 5, 3, 0), "y"), ((9, 9, 3, 0), "w"), ((9, 5, 3, 3), "y")):
+        ints = [np.zeros(n, np.int32) for n in lengths]
+        given = launch(program, 6, *ints)
+        found = outcome(ReferenceEngine(program), given)
+        same(found, outcome(NativeEngine(program), given))
+        assert isinstance(found[0], str)
+        assert f"the array {array}" in found[0]
+
+
 def test_words_are_parted(program: Program) -> None:
     loop, row = drained(program)
     made = parts(program)
@@ -152,6 +178,49 @@ def test_a_straight_region_has_no_drain(program: Program) -> None:
 def test_two_loops_cannot_end_in_one_region(program: Program) -> None:
     _, row = drained(program)
     refused(replace(program, table=(*program.table, row)), "another loop ends there")
+
+
+@vividc.kernel("void(float32[:, ::1], float32[:, ::1], float32[:, ::1])")
+def gemm(a, b, c):
+    for i in range(a.shape[0]):
+        for j in range(b.shape[1]):
+            total = np.float32(0.0)
+            for k in range(a.shape[1]):
+                total += a[i, k] * b[k, j]
+            c[i, j] = total
+
+
+@vividc.kernel("void(int32[:, ::1], int32[::1], int32[::1])")
+def recurrence(a, x, y):
+    for i in range(a.shape[0]):
+        s = y[i]
+        for j in range(a.shape[1]):
+            s = s * x[j] + a[i, j]
+            y[j] += s
+        x[i] = s * s + y[i + 1] * x[i + 2] + i * s
+
+
+@pytest.mark.parametrize(
+    ("kernel", "unseen", "text"),
+    [
+        (gemm, "issued", "two operations issue"),
+        (gemm, "completed", "complete on PE"),
+        (gemm, "shown", "two live-outs"),
+        (gemm, "words", "two sources for|written by both"),
+        (gemm, "entries_written", "is read too early"),
+        (recurrence, "accesses", "accesses memory before the loop is done with it|in a cycle"),
+    ],
+    ids=["issues", "results", "live-outs", "words", "entries", "accesses"],
+)
+def test_what_a_scheduler_does_not_see_is_noticed(
+    monkeypatch: pytest.MonkeyPatch, kernel: vividc.KernelFunction, unseen: str, text: str
+) -> None:
+    def blind(*args: Any) -> Drain:
+        return replace(drain_of(*args), **{unseen: frozenset()})
+
+    monkeypatch.setattr(map_straight, "drain_of", blind)
+    with pytest.raises(InternalError, match=text):
+        vividc.compile(kernel, fabric="vivid-tile", cache=False)
 
 
 def refused(program: Program, text: str) -> None:
