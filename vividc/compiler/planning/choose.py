@@ -415,6 +415,8 @@ class _Chooser(Draft):
             return [], None
         for factor in _FACTORS:
             stage = self._evaluate(base, Candidate(kind, header, factor))
+            if stage is None and kind == "interleaving" and not found:
+                continue  # two may not fill what four do
             if stage is None:
                 break
             if found and stage.estimate.cycles > _STEP * found[-1].estimate.cycles:
