@@ -111,6 +111,24 @@ def test_iterations_that_may_meet_run_one_after_the_other(kernel: vividc.KernelF
     assert reasons == ["iterations may meet in steps"]
 
 
+@vividc.kernel("void(int32[::1], int32[::1], float32[::1], float32[::1], float32[::1])")
+def sparse_rows(row_start, column, value, x, y):
+    for i in range(len(row_start) - 1):
+        total = np.float32(0.0)
+        for k in range(row_start[i], row_start[i + 1]):
+            total += value[k] * x[column[k]]
+        y[i] = total
+
+
+def test_eight_may_pay_where_two_do_not() -> None:
+    """On a fabric with additions of one cycle a row alone starts an element in every one."""
+    estimator = Estimator(arch.load("vivid-tile-unit"), PassOptions(contract=False))
+    made = choose(sparse_rows.lower(), estimator, LoopOptions(), sparse_rows.prange_lines)
+    tried = {d.factor: d for d in made.decisions if d.kind == "interleaving"}
+    assert tried[2].reason == "does not pay"
+    assert made.stages[-1].decision is tried[8]
+
+
 def test_a_loop_that_fills_the_array_is_left_alone() -> None:
     assert not any(d.kind == "interleaving" for d in plan(full_rows).decisions)
 

@@ -415,9 +415,9 @@ class _Chooser(Draft):
             return [], None
         for factor in _FACTORS:
             stage = self._evaluate(base, Candidate(kind, header, factor))
-            if stage is None and kind == "interleaving" and not found:
-                continue  # two may not fill what four do
             if stage is None:
+                if kind == "interleaving" and self.decisions[-1].reason == _NO_GAIN and not found:
+                    continue  # four may fill what two do not
                 break
             if found and stage.estimate.cycles > _STEP * found[-1].estimate.cycles:
                 return found, stage if stage.estimate.cycles < found[-1].estimate.cycles else None
