@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -13,12 +14,14 @@ from tests.sim.native.agreement import agreed_run, launch, outcome, same
 from vividc.compiler.regions import map_straight
 from vividc.errors import BundleError, InternalError
 from vividc.host.once import once_each
+from vividc.machine.opcodes import Opcode
 from vividc.mapper.problem import Drain
 from vividc.mapper.resources.drain import drain_of
 from vividc.program import Program, RegionRow, from_bytes
 from vividc.program.drains import parts
+from vividc.program.words.entry import Entry
 from vividc.sim import NativeEngine, ReferenceEngine
-from vividc.sim.engine import RegionSpan
+from vividc.sim.engine import Launch, RegionSpan, Run
 
 
 @vividc.kernel("int32(int32[::1], int32[::1], int32[::1])")
@@ -37,11 +40,13 @@ def rows(ends, a, out):
 
 @vividc.kernel("void(int32, int32[::1], int32[::1], int32[::1], int32[::1])")
 def beside(n, x, y, z, w):
-    """Behind the loop an array is read that it does not write, so perhaps while it still runs."""
+    """An array is written that the loop does not touch while it still loads what it loads last."""
     for i in range(z.shape[0]):
+        s = 0
         for j in range(n):
-            y[j] = x[j] * x[j] * 3 + i
-        z[i] = w[i] + 1
+            s = s * 3 + y[x[j] * x[j] + j]
+        w[i] = n
+        z[i] = ((s * 3 + i) * 5 + n) * 7
 
 
 def expected(ends: np.ndarray, a: np.ndarray) -> np.ndarray:
@@ -100,20 +105,8 @@ def test_a_drain_saves_its_cycles_and_the_switch(program: Program) -> None:
 def test_observers_see_no_cycle_twice(program: Program) -> None:
     ends = np.array([3, 3, 9], np.int32)
     given = launch(program, ends, np.arange(9, dtype=np.int32), ends.copy())
-    spans: list[list[RegionSpan]] = []
-    for engine in (ReferenceEngine(program), NativeEngine(program)):
-        seen: list[RegionSpan] = []
-        engine.run(replace(given, observer=seen.append))
-        spans.append(seen)
-    assert spans[0] == spans[1]
-    assert all(a.end <= b.start for a, b in zip(spans[0], spans[0][1:], strict=False))
-
-
-@pytest.mark.parametrize("limit", range(0, 120, 7))
-def test_cycle_limits(program: Program, limit: int) -> None:
-    ends = np.array([3, 3, 9], np.int32)
-    given = launch(program, ends, np.arange(9, dtype=np.int32), ends.copy(), cycle_limit=limit)
-    same(outcome(ReferenceEngine(program), given), outcome(NativeEngine(program), given))
+    _, told = engines_agree(program, given)
+    assert all(a.end <= b.start for a, b in pairwise(told))
 
 
 def test_faults_while_the_region_behind_is_under_way(program: Program) -> None:
@@ -124,17 +117,52 @@ def test_faults_while_the_region_behind_is_under_way(program: Program) -> None:
         same(outcome(ReferenceEngine(program), given), outcome(NativeEngine(program), given))
 
 
+def engines_agree(program: Program, given: Launch) -> tuple[Run | str, list[RegionSpan]]:
+    """The run or the error, and what an observer was told, of both engines alike."""
+    found = []
+    for engine in (ReferenceEngine(program), NativeEngine(program)):
+        spans: list[RegionSpan] = []
+        found.append((outcome(engine, replace(given, observer=spans.append)), spans))
+    (one, told), (other, as_well) = found
+    same(one, other)
+    assert told == as_well
+    return one[0], told
+
+
+def accesses(contexts: list[list[Entry]], op: Opcode) -> list[int]:
+    """Contexts that have such an access."""
+    return [
+        slot
+        for slot, entries in enumerate(contexts)
+        if any(entry.issue is not None and entry.issue.op is op for entry in entries)
+    ]
+
+
 def test_of_two_faults_the_loops_comes_first() -> None:
-    """The region behind would access its array out of bounds before the loop does."""
+    """Though the region behind accesses an array out of bounds before the loop does."""
     program = vividc.compile(beside, fabric="vivid-tile", loops=vividc.LoopOptions(auto=False))
-    drained(program)
-    for lengths, array in (((9, 5, 3, 0), "y"), ((9, 9, 3, 0), "w"), ((9, 5, 3, 3), "y")):
-        ints = [np.zeros(n, np.int32) for n in lengths]
-        given = launch(program, 6, *ints)
-        found = outcome(ReferenceEngine(program), given)
-        same(found, outcome(NativeEngine(program), given))
-        assert isinstance(found[0], str)
-        assert f"the array {array}" in found[0]
+    loop, row = drained(program)
+    made = parts(program)
+    assert row.next is not None
+    early = accesses(made.own[row.next], Opcode.STORE)
+    assert early[0] < accesses(made.rests[loop], Opcode.LOAD)[-1]
+    x = np.zeros(6, np.int32)
+    late = x.copy()
+    late[5] = 9  # the last iteration's load is outside
+    for values, room, array in ((x, 0, "w"), (late, 0, "y"), (late, 3, "y")):
+        args = (6, values, np.ones(9, np.int32), np.zeros(3, np.int32), np.zeros(room, np.int32))
+        for limit in (*range(12, 60), 1000):
+            error, told = engines_agree(program, launch(program, *args, cycle_limit=limit))
+            assert isinstance(error, str)
+        assert f"the array {array}" in error
+        assert (loop in {span.region for span in told}) is (array == "w")
+
+
+def test_limits_and_observers_of_runs_that_end_well(program: Program) -> None:
+    ends = np.array([3, 3, 9], np.int32)
+    for limit in (*range(0, 130, 3), 1000):
+        given = launch(program, ends, np.arange(9, dtype=np.int32), ends.copy(), cycle_limit=limit)
+        engines_agree(program, given)
 
 
 def test_words_are_parted(program: Program) -> None:

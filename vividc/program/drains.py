@@ -8,7 +8,7 @@ the loop to its end and then the region's own words gets the same.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from vividc.errors import BundleError
@@ -125,7 +125,9 @@ class _Pair:
         assert row.next is not None
         self.behind = _regular(trace(program, row.next, self.own), "the words behind it")
         moved = sum(1 for entries in self.own for entry in entries for _ in _driven(entry))
-        _demand(moved == len(self.behind.moves), "a word is passed on behind it that is not there")
+        ops, length = self.behind.ops, len(self.own)
+        moves = [one for one in self.behind.moves if ops[one.op].time + one.age < length]
+        _demand(moved == len(moves), "a word is passed on behind it that is not there")
         self._check_results(self.loop, self.behind)
         self._check_registers(self.rest, self.own)
         self._check_memory(self.loop, self.behind)
@@ -202,11 +204,12 @@ class _Pair:
                     for register in _registers_read(entry):
                         mine = newest.get((pe, register), False) is is_own
                         _demand(mine, f"register {register} of PE {pe} is written by both")
+            written: set[tuple[int, int]] = set()
             for is_own, entries in ((True, row), (False, left)):
-                for pe, entry in enumerate(entries):
-                    for write in entry.writes:
-                        if write.select.kind is not Sel.NONE:
-                            newest[pe, write.register] = is_own
+                for at in _registers_written(entries):
+                    _demand(at not in written, f"both write register {at[1]} of PE {at[0]}")
+                    written.add(at)
+                    newest[at] = is_own
 
     def _check_memory(self, loop: RegionFlow, flow: RegionFlow) -> None:
         """No bank has accesses of both in a cycle, and no access of one can tell when those of the
@@ -281,6 +284,16 @@ def _driven(entry: Entry) -> Iterator[Select]:
     for select in (*entry.links, *(write.select for write in entry.writes)):
         if select.kind is not Sel.NONE:
             yield select
+
+
+def _registers_written(entries: Sequence[Entry]) -> list[tuple[int, int]]:
+    """(PE, register) of each write in a context."""
+    return [
+        (pe, write.register)
+        for pe, entry in enumerate(entries)
+        for write in entry.writes
+        if write.select.kind is not Sel.NONE
+    ]
 
 
 def _registers_read(entry: Entry) -> Iterator[int]:

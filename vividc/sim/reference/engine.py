@@ -48,12 +48,13 @@ class ReferenceEngine:
         index: int | None = 0
         switches = 0
         left: RegionState | None = None  # a loop of which something is left
+
+        def ended(one: RegionState) -> None:
+            totals[one.region.index].add(one)
+            _tell(launch.observer, one)
+
         while index is not None:
-            done = self._run_region(tile, self._regions[index], left)
-            for one in (left, done):
-                if one is not None and not (one is done and done.is_left):
-                    totals[one.region.index].add(one)
-                    _tell(launch.observer, one)
+            done = self._run_region(tile, self._regions[index], left, ended)
             left = done if done.is_left else None
             row = done.region.row
             index = row.branch if done.branch else row.next
@@ -61,6 +62,8 @@ class ReferenceEngine:
                 switches += self._program.fabric.controller.switch_cycles
                 tile.cycle += self._program.fabric.controller.switch_cycles
                 tile.check_limit(done.region.index, tile.cycle)
+            if left is None:
+                ended(done)
         regions = tuple(total.region_run() for total in totals)
         return Run(
             cycles=tile.cycle,
@@ -73,11 +76,17 @@ class ReferenceEngine:
             activity=Activity.total(region.activity for region in regions),
         )
 
-    def _run_region(self, tile: Tile, region: RegionCode, left: RegionState | None) -> RegionState:
+    def _run_region(
+        self,
+        tile: Tile,
+        region: RegionCode,
+        left: RegionState | None,
+        ended: Callable[[RegionState], None],
+    ) -> RegionState:
         if left is None:
             tile.state[: self._cells.volatile] = [None] * self._cells.volatile
         tile.entries += 1
-        state = RegionState(tile, region, iterations(region.row, tile.trip), left)
+        state = RegionState(tile, region, iterations(region.row, tile.trip), left, ended)
         state.run()
         return state
 

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import sys
 from collections import Counter, deque
-from typing import Final, Literal
+from collections.abc import Callable
+from typing import Final
 
 from vividc.errors import SimulationError
 from vividc.machine.words import WORD_BYTES, WORD_MASK, loaded, stored
 from vividc.program import Use, trapped
 from vividc.sim.engine import Activity
 from vividc.sim.reference.predecode import LiveOut, Moves, Op, RegionCode, Slot
-from vividc.sim.reference.tile import Tile
+from vividc.sim.reference.tile import SIGN_BIT, Moment, Role, Tile
 
 _ENDLESS: Final = sys.maxsize
 _PROGRESS_EVERY: Final = 1 << 13
 _RAISED: Final = "numba raises it, too, for these arguments: check them on the host"
-_SIGN_BIT: Final = 0x80000000
 Completion = tuple[int, int | None]
 """(PE, word of the result); a store completes with no word."""
 
@@ -34,10 +34,17 @@ class RegionState:
         Iterations to issue, unless an exit node stops them.
     before
         The loop whose last iterations are still under way; its words are among the region's.
+    ended
+        Told of that loop when it has ended.
     """
 
     def __init__(
-        self, tile: Tile, region: RegionCode, limit: int, before: RegionState | None = None
+        self,
+        tile: Tile,
+        region: RegionCode,
+        limit: int,
+        before: RegionState | None = None,
+        ended: Callable[[RegionState], None] = lambda _: None,
     ) -> None:
         self._tile = tile
         self._region = region
@@ -45,7 +52,7 @@ class RegionState:
         self.stalls = 0
         self.branch = False
         self._start = tile.cycle
-        self._before = before
+        self._before, self._ended = before, ended
         self._held_up = 0 if before is None else before.stalls  # of them, until this one began
         self._rest = deque(() if before is None else before.region.rest)
         self._counted: Counter[str] = Counter()
@@ -113,7 +120,8 @@ class RegionState:
         reported = 0
         while self.cycle < self._end:
             self._contexts()
-            tile.check_limit(self._region.index, self.now)
+            if not (self.is_left and self.cycle % self._region.row.ii):
+                tile.check_limit(self._region.index, self.now)
             if tile.progress is not None and self.cycle - reported >= _PROGRESS_EVERY:
                 reported = self.cycle
                 tile.progress(self.now)
@@ -159,11 +167,17 @@ class RegionState:
     def finish(self) -> None:
         """Do what is left of a loop, with nothing beside it."""
         self.count_from_end()
-        for slot in self._region.rest:
-            self._cycle(slot, self._limit)
-            self.cycle += 1
+        rest = deque(self._region.rest)
+        while rest:
+            self._cycle(rest.popleft(), self._limit)
+            self._step(is_last=not rest)
         self._tile.cycle = self.now
-        self._tile.check_limit(self._region.index, self.now)
+
+    def _step(self, *, is_last: bool) -> None:
+        """A cycle of what is left of a loop is over: its time is looked at as if it ran alone."""
+        self.cycle += 1
+        if is_last or self.cycle % self._region.row.ii == 0:
+            self._tile.check_limit(self._region.index, self.now)
 
     def _look(self, slot: Slot, newest: int, now: int) -> None:
         assert self._tile.watch is not None
@@ -222,7 +236,8 @@ class RegionState:
             self._work(slot, 0)
         except SimulationError:
             self._fail_after(before, left)
-            self._work(slot, 0)  # fails again, when the loop has ended
+            self._work(slot, 0)
+            raise
         done = [one._completions() for one, *_ in pairs]
         moved = [one._moved(context, newest) for one, context, newest in pairs]
         for one, context, _ in pairs:
@@ -233,17 +248,24 @@ class RegionState:
             one._clear_outputs()
         for (one, *_), results in zip(pairs, done, strict=True):
             one._set_outputs(results)
-        before.cycle += 1
+        self._end_step(before)
+
+    def _end_step(self, before: RegionState) -> None:
+        before._step(is_last=not self._rest)
         if not self._rest:
-            self._tile.check_limit(before.region.index, before.now)
+            self._ended(before)
 
     def _fail_after(self, before: RegionState, slot: Slot) -> None:
-        """The loop before goes on to its end, whose fault comes first if it has one."""
+        """The loop before goes on to its end, as its fault comes first if it has one: then the
+        region fails again, by the same words, at the time that it is by then.
+        """
+        words = self._state[: self._tile.cells.volatile]
         before._end_cycle(slot, before.iterations)
-        before.cycle += 1
+        self._end_step(before)
         while self._rest:
             before._cycle(self._rest.popleft(), before.iterations)
-            before.cycle += 1
+            self._end_step(before)
+        self._state[: self._tile.cells.volatile] = words
 
     def _work(self, slot: Slot, newest: int) -> None:
         if slot.alu:
@@ -297,7 +319,7 @@ class RegionState:
         elif use is Use.BRANCH:
             self.branch = word == 1
         else:
-            self._tile.trip = word - ((word & _SIGN_BIT) << 1)
+            self._tile.trip = word - ((word & SIGN_BIT) << 1)
 
     def _access(self, slot: Slot, newest: int) -> None:
         """Loads see the scratchpad as before this cycle; of two stores the higher PE wins."""
@@ -381,16 +403,8 @@ class RegionState:
         exception = trapped(op.array)
         if exception is not None:
             return self._fault(op.pe, "issue", f"the kernel raises {exception}", hint=_RAISED)
-        what = "a misaligned" if address % op.issue.width else "an out-of-bounds"
-        first, end = self._tile.extents.get(op.array, self._anywhere)
-        place = f"the array {op.array}" if op.array in self._tile.extents else "the scratchpad"
-        byte = address - first if address - first < _SIGN_BIT else address - first - (1 << 32)
-        return self._fault(
-            op.pe,
-            "issue",
-            f"{what} access at byte {byte} of {place}, which has {end - first}",
-            hint="an index may leave its array",
-        )
+        what = self._tile.bad_address(op, address)
+        return self._fault(op.pe, "issue", what, hint="an index may leave its array")
 
     def _stall(self, touched: list[int]) -> None:
         count = self._tile.program.fabric.scratchpad.banks
@@ -474,24 +488,11 @@ class RegionState:
         self._counted["constant_writes"] += len(captured)
         return captured
 
-    def _nothing_read(self, pe: int, role: Literal["issue", "live_out"]) -> SimulationError:
+    def _nothing_read(self, pe: int, role: Role) -> SimulationError:
         return self._fault(pe, role, "a live operation reads nothing")
 
     def _fault(
-        self,
-        pe: int,
-        role: Literal["issue", "live_out"] | None,
-        what: str,
-        hint: str | None = None,
+        self, pe: int, role: Role | None, what: str, hint: str | None = None
     ) -> SimulationError:
-        program, region = self._tile.program, self._region
-        slot = self.cycle % region.row.ii
-        row = program.debug_row(region.index, slot, pe, role) if role is not None else None
-        op = "" if row is None else f" ({row.op} {row.name}".rstrip() + ")"
-        cycle = self.now
-        name = program.regions[region.index].name
-        return SimulationError(
-            f"{what}: PE {pe}{op}, region {name}, cycle {cycle}",
-            loc=row.loc if row is not None else program.regions[region.index].loc,
-            hint=hint,
-        )
+        at = Moment(self._region.index, self.cycle % self._region.row.ii, self.now)
+        return self._tile.fault(at, pe, role, what, hint)

@@ -4,12 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Final, Literal, NamedTuple, Protocol
 
-from vividc.errors import CycleLimit
+from vividc.errors import CycleLimit, SimulationError
+from vividc.machine.words import WORD_BYTES
 from vividc.program import Program
 from vividc.sim.engine import Progress
-from vividc.sim.reference.predecode import RegionCode, Slot, State, StateMap
+from vividc.sim.reference.predecode import Op, RegionCode, Slot, State, StateMap
+
+SIGN_BIT: Final = 0x80000000
+Role = Literal["issue", "live_out"]
+
+
+class Moment(NamedTuple):
+    """A region's context, and the cycle since the launch."""
+
+    region: int
+    slot: int
+    now: int
 
 
 class Watch(Protocol):
@@ -65,3 +77,24 @@ class Tile:
             loc=report.loc,
             hint="raise cycle_limit, or look for a loop that never ends",
         )
+
+    def fault(
+        self, at: Moment, pe: int, role: Role | None, what: str, hint: str | None
+    ) -> SimulationError:
+        """The error of something that a PE did; `role`: which of its operations, if one did."""
+        program, report = self.program, self.program.regions[at.region]
+        row = program.debug_row(at.region, at.slot, pe, role) if role is not None else None
+        op = "" if row is None else f" ({row.op} {row.name}".rstrip() + ")"
+        return SimulationError(
+            f"{what}: PE {pe}{op}, region {report.name}, cycle {at.now}",
+            loc=report.loc if row is None else row.loc,
+            hint=hint,
+        )
+
+    def bad_address(self, op: Op, address: int) -> str:
+        """What is wrong with the address of an access."""
+        what = "a misaligned" if address % op.issue.width else "an out-of-bounds"
+        first, end = self.extents.get(op.array, (0, WORD_BYTES * len(self.memory)))
+        place = f"the array {op.array}" if op.array in self.extents else "the scratchpad"
+        byte = address - first if address - first < SIGN_BIT else address - first - (1 << 32)
+        return f"{what} access at byte {byte} of {place}, which has {end - first}"
