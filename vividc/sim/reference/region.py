@@ -416,11 +416,12 @@ class RegionState:
     def _completions(self) -> list[Completion]:
         ring, place = self._ring, self.cycle % len(self._ring)
         done, ring[place] = ring[place], []
+        state, res = self._state, self._tile.cells.res_base
         for pe, word in done:
             if self._completed[pe] == self.cycle:
                 raise self._fault(pe, None, "two operations complete in one cycle")
             self._completed[pe] = self.cycle
-            self._state[self._tile.cells.res_base + pe] = word
+            state[res + pe] = word
         return done
 
     def _moved(self, slot: Slot, newest: int) -> _Moved:
@@ -454,14 +455,15 @@ class RegionState:
             self._state[target] = word
 
     def _clear_outputs(self) -> None:
+        state, out = self._state, self._tile.cells.out_base
         for pe, _ in self._outputs:
-            self._state[self._tile.cells.out_base + pe] = None
+            state[out + pe] = None
 
     def _set_outputs(self, done: list[Completion]) -> None:
-        state, cells = self._state, self._tile.cells
+        state, res, out = self._state, self._tile.cells.res_base, self._tile.cells.out_base
         for pe, word in done:
-            state[cells.res_base + pe] = None
-            state[cells.out_base + pe] = word
+            state[res + pe] = None
+            state[out + pe] = word
         self._outputs = done
 
     def _set(self, moves: Moves, words: tuple[int | None, ...]) -> int:
