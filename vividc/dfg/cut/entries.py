@@ -268,15 +268,16 @@ def _prepared(
     used |= {v.id for phi in first.phis for _, v in phi.incoming if isinstance(v, Ref)}
     used |= {value.id for values in read.values() for value in values if isinstance(value, Ref)}
     types = {instr.id: instr.type for instr in first.instrs if instr.id in used}
-    changed = [_with_arm(function.by_name[s], first.name, c, fresh) for s, c in copies.items()]
+    changed = [_with_arm(function, s, first.name, c, fresh) for s, c in copies.items()]
     phis = _phis(types, {i: i for i in types}, copies)
     return with_blocks(function, changed), phis
 
 
-def _with_arm(block: Block, first: str, copy: _Copy, fresh: FreshIds) -> Block:
-    """`block` with what it does in case that it branches to `first`."""
+def _with_arm(function: Function, name: str, first: str, copy: _Copy, fresh: FreshIds) -> Block:
+    """The block of that name with what it does in case that it branches to `first`."""
+    block = function.by_name[name]
     assert block.branch.cond is not None
-    arms = Arms(fresh, [*block.instrs])
+    arms = Arms(function, fresh, [*block.instrs])
     arm = Block(first, (), copy.instrs, copy.branch)
     arms.add(arm, block.branch.cond, taken=block.branch.target == first)
     return replace(block, instrs=tuple(arms.instrs))

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 
 from vividc.machine.opcodes import ELEMENTARY, MEMORY, OPCODES, Opcode, Type
 from vividc.machine.params import TRAP
+from vividc.ssa.analysis.implications import Implications
 from vividc.ssa.edit import FreshIds, incoming, with_blocks
 from vividc.ssa.flow import blocks_of_pipelined_loops, predecessors
 from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Kind, Phi, Ref, Undefined, Value
@@ -111,7 +112,7 @@ def _merged(function: Function, diamonds: Iterable[_Diamond]) -> Function:
     gone: set[str] = set()
     fresh = FreshIds(function)
     for diamond in diamonds:
-        edit = Arms(fresh, [*diamond.top.instrs])
+        edit = Arms(function, fresh, [*diamond.top.instrs])
         changed |= _merged_blocks(diamond, edit)
         gone |= diamond.names - {diamond.top.name, diamond.bottom.name}
     kept = tuple(block for block in function.blocks if block.name not in gone)
@@ -142,23 +143,26 @@ def _merged_blocks(diamond: _Diamond, edit: Arms) -> dict[str, Block]:
 
 @dataclass
 class Arms:
-    """The instructions of a block, and behind them those of arms of its branch."""
+    """The instructions of a block of `function`, and behind them those of arms of its branch."""
 
+    function: Function
     fresh: FreshIds
     instrs: list[Instr]
     inverted: Value | None = field(default=None)
 
     def add(self, block: Block, cond: Value, *, taken: bool) -> None:
         """Appends an arm that runs if `cond` is `taken`."""
+        known = Implications(self.function, {instr.id: instr for instr in block.instrs})
         for instr in block.instrs:
             if instr.op not in MEMORY:
                 self.instrs.append(instr)
                 continue
-            pred = cond if taken else self._inverse(cond)
             count = OPCODES[instr.op].arity + 1
-            if len(instr.operands) > count:  # an arm in an arm
-                pred = self._emit(Opcode.AND, Type.PRED, (pred, instr.operands[count]))
-            self.instrs.append(replace(instr, operands=(*instr.operands[:count], pred)))
+            own = instr.operands[count:]  # of an arm in an arm, or of a mask
+            if not (taken and own and known.holds(*own, cond)):
+                pred = cond if taken else self._inverse(cond)
+                own = (self._emit(Opcode.AND, Type.PRED, (pred, *own)) if own else pred,)
+            self.instrs.append(replace(instr, operands=(*instr.operands[:count], *own)))
 
     def choose(self, phi: Phi, cond: Value, then: Value, other: Value) -> Value:
         """What stands for a phi at the bottom."""
