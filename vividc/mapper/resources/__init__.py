@@ -2,5 +2,6 @@
 
 In order: `arrays` (in which compiled functions read both), `dependences`, `distances`, `mrrg` (the
 modulo routing resource graph), `plain_core`; `registers` (allocation), `moved_words` (where words
-are moved for it), `fu_slots`, `banks`; `drain` (what a loop still takes as it ends).
+are moved for it), `fu_slots`; `arms` (of branches, in which accesses are), `banks`; `drain` (what a
+loop still takes as it ends).
 """

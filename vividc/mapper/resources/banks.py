@@ -8,7 +8,7 @@ same ones in every run.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Hashable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from random import Random
@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.arch.fabric import Scratchpad
-from vividc.dfg.ir import CHANGES, DFG, FROM_END, Node, is_order
-from vividc.machine.opcodes import PRED, Opcode
+from vividc.dfg.ir import CHANGES, DFG, FROM_END, Node
 from vividc.machine.words import WORD_BYTES
+from vividc.mapper.resources.arms import Arm, arms_of
 from vividc.ssa.analysis.polynomial import ITERATION
 from vividc.ssa.ir import Input, is_dimension, is_pitch, pitch_of
 
@@ -108,8 +108,8 @@ class Traffic:
 
     Attributes
     ----------
-    predicated
-        By id of an access that has a predicate: which of how many alternatives it is.
+    arms
+        Of each access that has a predicate, by id, as by `arms_of`.
     ii
         Cycles between iterations; of straight code, its length.
     times
@@ -121,7 +121,7 @@ class Traffic:
     """
 
     accesses: tuple[Node, ...]
-    predicated: Mapping[int, tuple[int, int]]
+    arms: Mapping[int, tuple[Arm, ...]]
     banks: int
     ii: int
     times: Mapping[int, int] | None = None
@@ -140,9 +140,7 @@ class Traffic:
     ) -> Traffic:
         """That of a graph."""
         accesses = tuple(node for node in dfg.nodes if node.is_memory)
-        predicated = [node for node in accesses if dfg.operand(node.id, PRED) is not None]
-        arms = _alternatives(dfg, predicated)
-        return Traffic(accesses, arms, scratchpad.banks, ii, times, weight)
+        return Traffic(accesses, arms_of(dfg, accesses), scratchpad.banks, ii, times, weight)
 
     def stalls(self, known: Words = NOTHING, among: Collection[str] | None = None) -> float:
         """Cycles of an iteration in which the tile stands still, the mean of what is drawn; of the
@@ -305,26 +303,12 @@ class Traffic:
 
     def _idle(self, node: Node) -> NDArray[np.bool_]:
         """In which draws an access is not made."""
-        if node.id not in self.predicated:
+        if node.id not in self.arms:
             return np.zeros(_DRAWN, np.bool_)
-        number, count = self.predicated[node.id]
-        made = _drawn("alternative", count) == number
-        return np.asarray(~made | (_drawn("predicate", _IDLE) == 0))
-
-
-def _alternatives(dfg: DFG, predicated: Sequence[Node]) -> dict[int, tuple[int, int]]:
-    """See `Traffic.predicated`. Stores to one element are in order, but for those of which at most
-    one is made: arms of a branch.
-    """
-    ordered = {frozenset({e.src, e.dst}) for e in dfg.edges if is_order(e) and not e.distance}
-    groups: dict[Hashable, list[Node]] = {}
-    for node in predicated:
-        is_store = node.op is Opcode.STORE and node.address is not None
-        group = groups.setdefault((node.name, node.address) if is_store else node.id, [])
-        if any(frozenset({one.id, node.id}) in ordered for one in group):
-            group = groups.setdefault(node.id, [])
-        group.append(node)
-    return {n.id: (at, len(group)) for group in groups.values() for at, n in enumerate(group)}
+        idle = _drawn("predicate", _IDLE) == 0
+        for arm in self.arms[node.id]:
+            idle = idle | (_drawn(f"arms of {arm.choice}", arm.count) != arm.number)
+        return np.asarray(idle)
 
 
 def _waits(places: _Draws, buckets: int, banks: int) -> _Draws:
