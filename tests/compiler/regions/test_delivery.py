@@ -6,7 +6,8 @@ from typing import Final
 
 from vividc import arch
 from vividc.arch.fabric import Fabric
-from vividc.compiler.regions.delivery import Delivery, deliver, with_homes
+from vividc.compiler.regions.delivery import Delivery, deliver
+from vividc.compiler.regions.stores import Stores
 from vividc.dfg.forms.text import to_text
 from vividc.dfg.forms.text_parser import parse
 from vividc.dfg.regions import Region
@@ -14,8 +15,9 @@ from vividc.dfg.regions import Region
 
 def test_homes_take_room_before_they_are_written() -> None:
     held = {0: frozenset({("const", 7)}), 1: frozenset({("live_in", "%x")})}
-    both = with_homes(held, {"%x": frozenset({0, 1}), "%y": frozenset({1})})
-    assert both == {
+    stores = Stores(arch.load_tile("vivid-tile"), held)
+    both = stores.with_homes({"%x": frozenset({0, 1}), "%y": frozenset({1})})
+    assert both.held == {
         0: {("const", 7), ("live_in", "%x")},
         1: {("live_in", "%x"), ("live_in", "%y")},
     }
@@ -30,8 +32,8 @@ def delivered(text: str, taken: int = 0, **homes: int) -> Delivery:
     region = Region("straight", "straight", parse(text))
     places = {f"%{name}": frozenset({pe}) for name, pe in homes.items()}
     others = frozenset(("const", 100 + number) for number in range(taken))
-    held = with_homes({pe.id: others for pe in fabric.pes}, places)
-    return deliver(region, places, fabric, held)
+    stores = Stores(fabric, {pe.id: others for pe in fabric.pes}).with_homes(places)
+    return deliver(region, places, fabric, stores.held)
 
 
 def movs(ready: Delivery) -> int:

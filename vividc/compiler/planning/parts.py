@@ -86,6 +86,10 @@ class Apart:
             room = replace(room, contexts=room.contexts - taken)
         return tuple(self._with_others(self.estimator.estimate(rest, one, room)) for one in hints)
 
+    def entries(self, estimate: Estimate) -> int:
+        """Of constant stores, as of an estimate, that accesses of this nest's loops need."""
+        return estimate.entries - sum(cost.shape.entries for cost in self.others)
+
     def _rest(self, function: Function) -> Function:
         if not self.others:
             return function

@@ -103,9 +103,9 @@ and roots have 1,779; 8 rows are mapped).
 """
 
 _STORED = 0.6
-"""Of the entries of constant stores beside load/store units: what accesses of loops take at most.
-Other operands and straight regions need the rest (adi: 8 rows of four nests take 0.51 and are
-mapped, 10 take 0.64 and are not).
+"""Of the entries of constant stores beside load/store units, which nests share: what accesses of a
+nest's loops take at most. Other operands and straight regions need the rest (adi: 8 rows of four
+loops take 0.51 and are mapped, 10 take 0.64 and are not).
 """
 
 
@@ -469,7 +469,7 @@ class _Climb:
         if self.estimator.largest_loop(estimate) > self.most_operations:
             return None
         mean = math.sqrt(estimate.cycles * large.cycles)
-        if estimate.entries > self._stored * self.estimator.entries:
+        if self.apart.entries(estimate) > self._stored * self.estimator.entries:
             return None
         order, factor, carries = self.order, made.factor, made.carries
         return Restructured(made.state, estimate, order, tree, factor, mean, carries)

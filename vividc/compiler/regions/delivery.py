@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from vividc.arch.fabric import Fabric
-from vividc.compiler.regions.homes import Homes, Residents
+from vividc.compiler.regions.stores import Homes, Residents
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.dfg.regions import Region, is_variable
 from vividc.machine.opcodes import BASE, Opcode
@@ -25,17 +25,6 @@ class Delivery:
 
     dfg: DFG
     allowed: Mapping[int, frozenset[int]]
-
-
-def with_homes(held: Residents, homes: Homes) -> Residents:
-    """The entries `held`, and those that the variables take in their homes: a straight region that
-    is mapped before a variable is written must leave room for it.
-    """
-    taken = {pe: set(keys) for pe, keys in held.items()}
-    for name, pes in homes.items():
-        for pe in pes:
-            taken[pe].add(("live_in", name))
-    return {pe: frozenset(keys) for pe, keys in taken.items()}
 
 
 def deliver(region: Region, homes: Homes, fabric: Fabric, held: Residents) -> Delivery:

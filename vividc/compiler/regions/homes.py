@@ -8,42 +8,24 @@ copy of a word takes as many cycles as its homes are links apart.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
 from vividc.arch.fabric import Fabric
+from vividc.compiler.regions.stores import Homes, Stores
 from vividc.dfg.ir import DFG, EdgeKind, Node
 from vividc.dfg.order import evaluation_order
 from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE, Kernel, is_variable
 from vividc.machine.opcodes import Opcode
 from vividc.mapper.mapping import Mapping as RegionMapping
-from vividc.mapper.problem import ConstantKey, MapProblem
+from vividc.mapper.problem import MapProblem
 from vividc.mapper.resources.distances import hop_distances
-
-Homes = Mapping[str, frozenset[int]]
-Residents = Mapping[int, frozenset[ConstantKey]]
 
 _FILLED: Final = 0.5
 """Of the slots of a straight region, at most, by operations: where they take longer than its paths
 do, it does not matter how far variables are apart (symm: 497 operations in 50 cycles).
 """
-
-
-def residents(fabric: Fabric, mapped: Iterable[tuple[DFG, RegionMapping]]) -> Residents:
-    """Constant-store entries that the mapped regions occupy on each PE."""
-    held: dict[int, set[ConstantKey]] = {pe.id: set() for pe in fabric.pes}
-    for dfg, mapping in mapped:
-        problem = MapProblem(dfg, fabric)
-        for node in dfg.placed:
-            held[mapping.places[node.id].pe].update(problem.constants_of(node))
-    return {pe: frozenset(keys) for pe, keys in held.items()}
-
-
-def with_residents(held: Residents, fabric: Fabric, dfg: DFG, mapping: RegionMapping) -> Residents:
-    """The entries `held`, and those of one more region."""
-    more = residents(fabric, ((dfg, mapping),))
-    return {pe: entries | more[pe] for pe, entries in held.items()}
 
 
 def variable_homes(
@@ -65,13 +47,14 @@ def variable_homes(
             for kind, name in MapProblem(dfg, fabric).constants_of(node):
                 if kind == "live_in" and is_variable(str(name)):
                     homes.setdefault(str(name), set()).add(mapping.places[node.id].pe)
-    load = {pe: len(keys) for pe, keys in residents(fabric, graphs).items()}
+    stores = Stores.of(kernel, fabric).with_regions(graphs)
     ways = _Ways.of_kernel(kernel, fabric, entries)
     for name in _variables_read(kernel):
         if name not in homes:
+            load = {pe: stores.load(pe, name) for pe in stores.held}
             pe = _best_home(name, fabric, load, homes, ways)
             homes[name] = {pe}
-            load[pe] += 1
+            stores = stores.with_homes({name: frozenset({pe})})
     return {name: frozenset(pes) for name, pes in homes.items()}
 
 

@@ -13,12 +13,13 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Final, Literal
 
 from vividc.arch.fabric import Fabric
 from vividc.compiler.planning.estimate import RegionCost
 from vividc.compiler.regions.earlier import posed
-from vividc.compiler.regions.homes import residents
+from vividc.compiler.regions.stores import Stores
 from vividc.dfg.regions import Kernel
 from vividc.errors import InternalError
 from vividc.mapper import MapProblem, MapResult
@@ -194,7 +195,7 @@ class _Again:
     cycles: float
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Loops:
     """`tried`: what came of each negotiation; both ways of `_with_fewer_stalls` begin alike, and so
     do stages with equal loops.
@@ -206,6 +207,11 @@ class _Loops:
     tried: dict[Hashable, Mapping | None] = field(default_factory=dict)
     _traffic: dict[tuple[int, int], tuple[Mapping, Traffic]] = field(default_factory=dict)
     """By region and the identity of its mapping, which is kept so that no other one gets it."""
+
+    @cached_property
+    def empty(self) -> Stores:
+        """What constant stores hold before a loop is mapped."""
+        return Stores.of(self.kernel, self.fabric)
 
     def traffic(self, index: int, mapping: Mapping) -> Traffic:
         """Of a mapped loop, which keeps what was found of it."""
@@ -289,14 +295,15 @@ class _Loops:
         return best
 
     def problem(self, index: int, results: ReadOnly[int, MapResult]) -> MapProblem:
-        """A loop beside the others as they are mapped."""
+        """A loop beside the others as they are mapped, whose entries it leaves to them."""
         others = [
             (self.kernel.regions[other].dfg, mapping_of(result))
             for other, result in results.items()
             if other != index
         ]
         dfg = self.kernel.regions[index].dfg
-        return MapProblem(dfg, self.fabric, {}, residents(self.fabric, others))
+        *_, held = self.empty.with_regions(others).beside(index)
+        return MapProblem(dfg, self.fabric, {}, held)
 
     def mapped_again(
         self,

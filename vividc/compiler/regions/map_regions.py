@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 from vividc.arch.fabric import Fabric
 from vividc.compiler.regions.earlier import Earlier, posed
-from vividc.compiler.regions.homes import residents
 from vividc.compiler.regions.map_again import Runs, with_fewer_cycles
 from vividc.compiler.regions.map_straight import (
     NODE_S,
@@ -21,6 +20,7 @@ from vividc.compiler.regions.map_straight import (
     spans_of,
 )
 from vividc.compiler.regions.shared_variables import with_shared_variables
+from vividc.compiler.regions.stores import Stores
 from vividc.dfg.alike import unnamed
 from vividc.dfg.ir import DFG
 from vividc.dfg.regions import Kernel, Region
@@ -207,28 +207,34 @@ def _map_loops(
     reserve_s = min(nodes * NODE_S, _STRAIGHT_SHARE * left_s)
     until = time_limit.now() + max(left_s - reserve_s, LEAST_S)
     results: dict[int, MapResult] = {}
-    done: list[tuple[DFG, Mapping]] = []
+    stores = Stores.of(kernel, fabric)
     failed: dict[str, MappingFailed | TimeLimit] = {}
     least = _bounds(kernel, fabric)
     for number, (index, region) in enumerate(loops):
-        problem = MapProblem(region.dfg, fabric, {}, residents(fabric, done))
-        result: MapResult | MappingFailed | TimeLimit | None = _still_good(problem, earlier)
-        if result is None:
-            share = _share(loops[number:])
-            with guarded((until - time_limit.now()) * share):
-                result = _mapped_loop(region, problem, options, effort.remaining_s * share)
+        for held in stores.beside(index):
+            problem = MapProblem(region.dfg, fabric, {}, held)
+            result: MapResult | MappingFailed | TimeLimit | None = _still_good(problem, earlier)
+            if result is None:
+                share = _share(loops[number:])
+                with guarded((until - time_limit.now()) * share):
+                    result = _mapped_loop(region, problem, options, effort.remaining_s * share)
+            if not isinstance(result, MapResult):
+                break
+            beside = stores.with_regions([(region.dfg, mapping_of(result))])
+            if beside.fit():
+                stores = beside
+                break
         if isinstance(result, MapResult):
             earlier.loops[unnamed(region.dfg)] = result
             earlier.searched[posed(problem)] = result
             results[index] = result
-            done.append((region.dfg, mapping_of(result)))
             least |= _least(kernel, fabric, {index: result})
             if number + 1 < len(loops) and not failed and is_lost(least):
                 return None
-            continue
-        failed[region.header] = result
-        if region.header in demanded:
-            break
+        elif result is not None:
+            failed[region.header] = result
+            if region.header in demanded:
+                break
     if failed:
         return Unmapped(tuple(failed), next(iter(failed.values())))
     return dict(sorted(results.items()))

@@ -11,11 +11,13 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from vividc.arch.fabric import Fabric
-from vividc.compiler.regions.delivery import deliver, with_homes
+from vividc.compiler.regions.delivery import deliver
 from vividc.compiler.regions.earlier import Earlier, posed, straight_key
-from vividc.compiler.regions.homes import residents, variable_homes, with_residents
+from vividc.compiler.regions.homes import variable_homes
 from vividc.compiler.regions.map_again import Runs, layout_for
+from vividc.compiler.regions.stores import Homes, Stores
 from vividc.dfg.alike import unnamed
+from vividc.dfg.ir import DFG
 from vividc.dfg.regions import Kernel, Region, loops_before
 from vividc.errors import InternalError, MappingFailed
 from vividc.host import time_limit
@@ -25,7 +27,7 @@ from vividc.mapper.check.verify import violations
 from vividc.mapper.engines.list_schedule import list_schedule
 from vividc.mapper.mapping import Mapping, Status
 from vividc.mapper.problem import Drain
-from vividc.mapper.resources.banks import NOTHING, Meets, Traffic
+from vividc.mapper.resources.banks import NOTHING, Meets, Traffic, Words
 from vividc.mapper.resources.drain import drain_of
 from vividc.mapper.result import mapping_of
 from vividc.program.encoder.checks import span_of
@@ -98,21 +100,17 @@ class Straight:
         loops = {index: mapping_of(result) for index, result in results.items()}
         homes = variable_homes(kernel, fabric, loops, entries)
         known = NOTHING if self.runs is None else layout_for(kernel, fabric, results, self.runs)
-        there = residents(fabric, ((kernel.regions[i].dfg, loop) for i, loop in loops.items()))
+        stores = Stores.of(kernel, fabric).with_homes(homes)
+        stores = stores.with_regions((regions[index].dfg, loop) for index, loop in loops.items())
         straight = [(i, r) for i, r in enumerate(kernel.regions) if r.kind != "loop"]
         pace = _Pace(sum(len(region.dfg.placed) for _, region in straight))
         for index, region in straight:
-            held = with_homes(there, homes)
-            ready = deliver(region, homes, fabric, held)
-            problem = MapProblem(ready.dfg, fabric, ready.allowed, held)
-            meets = Traffic.of(ready.dfg, fabric.scratchpad, 1).meets(known)
             loop = before.get(index)
+            drained = None if loop is None else (regions[loop], loops[loop])
             runs_once = entries is not None and loop is not None and entries[loop] <= 1.0
-            one = _One(self, pace, meets, thrift != "none", runs_once)
-            lefts = () if loop is None else _drains(regions[loop], loops[loop], problem)
-            pace.begin(len(problem.dfg.placed))
+            place = _Place(self, pace, homes, known, thrift != "none", runs_once)
             try:
-                done[index], early = one.found(problem, lefts)
+                ready, done[index], early, stores = place.found(index, region, stores, drained)
             except MappingFailed as error:
                 if thrift == "last":
                     self.earlier.hopeless[unnamed(region.dfg)] = error
@@ -122,9 +120,47 @@ class Straight:
                 regions[loop] = replace(regions[loop], drain=early)
             if self.is_lost(spans_of(kernel, fabric, done)):
                 return None
-            regions[index] = replace(region, dfg=ready.dfg)
-            there = with_residents(there, fabric, ready.dfg, mapping_of(done[index]))
+            regions[index] = replace(region, dfg=ready)
         return replace(kernel, regions=tuple(regions)), done
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """How one straight region is mapped where variables live in `homes` and so much is `known` of
+    addresses; `runs_once`: as of `_One`.
+    """
+
+    straight: Straight
+    pace: _Pace
+    homes: Homes
+    known: Words
+    frugal: bool
+    runs_once: bool
+
+    def found(
+        self, index: int, region: Region, stores: Stores, drained: tuple[Region, Mapping] | None
+    ) -> tuple[DFG, MapResult, int, Stores]:
+        """The region's graph with its deliveries, its result, by how many cycles it begins before
+        the loop `drained` has ended, and what constant stores hold with it.
+
+        Raises
+        ------
+        MappingFailed
+            There is no room for it.
+        """
+        fabric = self.straight.fabric
+        for held in stores.beside(index):
+            ready = deliver(region, self.homes, fabric, held)
+            problem = MapProblem(ready.dfg, fabric, ready.allowed, held)
+            meets = Traffic.of(ready.dfg, fabric.scratchpad, 1).meets(self.known)
+            one = _One(self.straight, self.pace, meets, self.frugal, self.runs_once)
+            self.pace.begin(len(problem.dfg.placed))
+            made, early = one.found(problem, () if drained is None else _drains(*drained, problem))
+            beside = stores.with_regions([(ready.dfg, mapping_of(made))])
+            if beside.fit():
+                return ready.dfg, made, early, beside
+        text = f"the constant stores have no entries left for what {region.name} reads and writes"
+        raise MappingFailed(text, loc=region.loc)
 
 
 def spans_of(

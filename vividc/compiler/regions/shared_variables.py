@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from vividc.dfg.ir import DFG
-from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE, Kernel, Region, is_variable
-from vividc.machine.opcodes import Opcode
+from vividc.dfg.lives import needed_after, variables_read, variables_written
+from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE, Kernel, Region
 
 
 def with_shared_variables(kernel: Kernel) -> Kernel:
@@ -30,50 +30,25 @@ def _own_of_straight_regions(kernel: Kernel) -> list[str]:
     found: dict[str, None] = {}
     others = {RETURN_VARIABLE, RETURN_HIGH}
     for region in kernel.regions:
-        used = _read(region.dfg) | _written(region.dfg)
+        used = variables_read(region.dfg) | variables_written(region.dfg)
         if region.kind == "loop":
             others |= used
         found |= dict.fromkeys(sorted(used))
     return [name for name in found if name not in others]
 
 
-def _read(dfg: DFG) -> set[str]:
-    return {n.name for n in dfg.nodes if n.op is Opcode.LIVE_IN and is_variable(n.name)}
-
-
-def _written(dfg: DFG) -> set[str]:
-    return {n.name for n in dfg.nodes if n.op is Opcode.LIVE_OUT}
-
-
 def _conflicts(kernel: Kernel, names: Sequence[str]) -> dict[str, set[str]]:
     """By variable, those that are needed when it is written, and those written beside it."""
     ours = set(names)
-    written = [_written(region.dfg) & ours for region in kernel.regions]
+    written = [variables_written(region.dfg) & ours for region in kernel.regions]
     found: dict[str, set[str]] = {name: set() for name in names}
-    for wrote, after in zip(written, _needed_after(kernel, ours), strict=True):
+    for wrote, after in zip(written, needed_after(kernel), strict=True):
         for name in wrote:
-            beside = (wrote | after) - {name}
+            beside = (wrote | (after & ours)) - {name}
             found[name] |= beside
             for other in beside:
                 found[other].add(name)
     return found
-
-
-def _needed_after(kernel: Kernel, ours: set[str]) -> list[set[str]]:
-    """By region, the variables that may be read before they are written again."""
-    read = [_read(region.dfg) & ours for region in kernel.regions]
-    written = [_written(region.dfg) & ours for region in kernel.regions]
-    after: list[set[str]] = [set() for _ in kernel.regions]
-    changed = True
-    while changed:
-        changed = False
-        for index in reversed(range(len(kernel.regions))):
-            region = kernel.regions[index]
-            following = [one for one in (region.next, region.branch) if one is not None]
-            needed = set().union(*(read[n] | (after[n] - written[n]) for n in following))
-            if needed != after[index]:
-                after[index], changed = needed, True
-    return after
 
 
 @dataclass(slots=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping as ReadOnly
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import Node
+from vividc.dfg.lives import ALWAYS, Lives
 from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE, Kernel, Region, is_variable
 from vividc.errors import InternalError
 from vividc.machine.opcodes import Opcode
@@ -20,23 +22,25 @@ from vividc.program.tables import Home, LaunchRow
 
 @dataclass(frozen=True)
 class ConstantStores:
-    """The entries of every PE's constant store, in entry order."""
+    """By PE, the entry of its constant store that holds each constant, input and variable: several
+    variables may have the same.
+    """
 
-    entries: tuple[tuple[ConstantKey, ...], ...]
+    entries: tuple[ReadOnly[ConstantKey, int], ...]
 
     def index(self, pe: int, node: Node) -> int:
         """Entry of PE `pe` that holds the word of a source node or the variable of a live-out."""
         key = ("live_in", node.name) if node.op is Opcode.LIVE_OUT else constant_key(node)
         if key is None or key not in self.entries[pe]:
             raise InternalError(f"PE {pe} has no constant-store entry for node {node.id}")
-        return self.entries[pe].index(key)
+        return self.entries[pe][key]
 
     def launch(self) -> tuple[LaunchRow, ...]:
         """What the host writes at launch, by PE and entry."""
         return tuple(
             LaunchRow(pe, entry, str(name))
             for pe, keys in enumerate(self.entries)
-            for entry, (kind, name) in enumerate(keys)
+            for (kind, name), entry in keys.items()
             if kind == "live_in" and not is_variable(str(name))
         )
 
@@ -46,7 +50,7 @@ class ConstantStores:
         words = np.zeros(shape, np.uint32)
         valid = np.zeros(shape, np.bool_)
         for pe, keys in enumerate(self.entries):
-            for entry, (kind, value) in enumerate(keys):
+            for (kind, value), entry in keys.items():
                 if kind == "const":
                     words[pe, entry] = value
                     valid[pe, entry] = True
@@ -56,7 +60,8 @@ class ConstantStores:
 def allocate(kernel: Kernel, fabric: Fabric, mappings: ReadOnly[int, Mapping]) -> ConstantStores:
     """Give each constant, input and variable an entry on every PE that reads or writes it.
 
-    Entries are numbered in the order of regions and nodes.
+    Entries are numbered in the order of regions and nodes. Where a store has fewer than that, of
+    variables that are never needed at the same time (`Lives`) several share one.
 
     Raises
     ------
@@ -69,13 +74,35 @@ def allocate(kernel: Kernel, fabric: Fabric, mappings: ReadOnly[int, Mapping]) -
         for node in region.dfg.placed:
             place = mappings[index].places[node.id]
             entries[place.pe].update(dict.fromkeys(problem.constants_of(node)))
+    lives = Lives.of(kernel)
+    numbered = []
     for pe, keys in zip(fabric.pes, entries, strict=True):
-        if len(keys) > pe.constants:
+        numbers = numbered_entries(tuple(keys), pe.constants, lives)
+        if numbers is None:
             raise InternalError(
                 f"PE {pe.id} needs {len(keys)} constant-store entries and has {pe.constants}"
             )
+        numbered.append(numbers)
     _check_variables(kernel, mappings)
-    return ConstantStores(tuple(tuple(keys) for keys in entries))
+    return ConstantStores(tuple(numbered))
+
+
+def numbered_entries(
+    keys: Sequence[ConstantKey], room: int, lives: Lives
+) -> dict[ConstantKey, int] | None:
+    """The entry of each key in a store with so many; None: there are too few."""
+    if len(keys) <= room:
+        return {key: entry for entry, key in enumerate(keys)}
+    needed = {key: lives.of_key(key) for key in keys}
+    used: list[int] = []  # by entry, the regions that need it
+    numbers: dict[ConstantKey, int] = {}
+    for key in sorted(keys, key=lambda key: (needed[key] != ALWAYS, -needed[key].bit_count())):
+        entry = next((n for n, bits in enumerate(used) if not bits & needed[key]), len(used))
+        if entry == len(used):
+            used.append(0)
+        used[entry] |= needed[key]
+        numbers[key] = entry
+    return numbers if len(used) <= room else None
 
 
 def return_home(
@@ -109,7 +136,7 @@ def _home(
     if not common:
         return None
     pe = min(common)
-    return Home(pe, stores.entries[pe].index(("live_in", name)))
+    return Home(pe, stores.entries[pe]["live_in", name])
 
 
 def _check_variables(kernel: Kernel, mappings: ReadOnly[int, Mapping]) -> None:

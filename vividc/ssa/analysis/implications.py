@@ -53,7 +53,7 @@ class Implications:
         if made is None:
             return None
         less, more = made.operands
-        margin = Counter({_CONSTANT: int(made.op is Opcode.ICMP_SLE)})
+        margin = Counter[Value]({_CONSTANT: int(made.op is Opcode.ICMP_SLE)})
         margin.update(self._sum(more))
         margin.subtract(self._sum(less))
         return margin
@@ -74,6 +74,6 @@ class Implications:
 
     def _made(self, value: Value, *ops: Opcode) -> Instr | None:
         """The instruction that makes a value, if it is one of those."""
-        item = self.further.get(value.id) if isinstance(value, Ref) else None
-        item = item or definition_of(self.function, value)
+        further = self.further.get(value.id) if isinstance(value, Ref) else None
+        item = further or definition_of(self.function, value)
         return item if isinstance(item, Instr) and item.op in ops else None

@@ -159,7 +159,7 @@ class Arms:
                 continue
             count = OPCODES[instr.op].arity + 1
             own = instr.operands[count:]  # of an arm in an arm, or of a mask
-            if not (taken and own and known.holds(*own, cond)):
+            if not (taken and own and known.holds(own[0], cond)):
                 pred = cond if taken else self._inverse(cond)
                 own = (self._emit(Opcode.AND, Type.PRED, (pred, *own)) if own else pred,)
             self.instrs.append(replace(instr, operands=(*instr.operands[:count], *own)))
