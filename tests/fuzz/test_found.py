@@ -161,3 +161,38 @@ def test_a_size_is_a_number_when_isl_has_given_up_before(tmp_path: Path) -> None
     """The search for one pair of accesses may end anywhere; what it left half done is no size."""
     verdict = judge(random_nest_source(214), 214, tmp_path)
     assert verdict.kind == "agrees", verdict.text
+
+
+def test_a_load_before_an_exit_is_known_may_read_another_arrays_byte(tmp_path: Path) -> None:
+    """An element of a boolean array is 0 or 1; what lies behind an empty one need not be."""
+    source = """\
+# constant array, C order, constant array, axis of 0 or 1
+import math
+import numpy as np
+from vividc.frontend import kernel
+
+SHAPES = {'a': ('L',)}
+FIXED = False
+G0 = (np.arange(6, dtype=np.float32) * 1.25 - 2).reshape(1, 6).T
+G1 = (np.arange(6) * 7 + -3).astype(np.int64).reshape(1, 6).T
+
+
+@kernel("int32(boolean[::1], int32, uint32, int8, uint64, float32)")
+def program(a, n, m, q, r, w):
+    s = np.int32(1)
+    h = np.uint64(r)
+    z = np.float32(0.5)
+    k = 0
+    a[::-1] = np.logical_not(a[:])
+    for i1 in range(6 - 1, 0, -1):
+        a ^= np.logical_not(a)
+    h = ((np.uint64(14695981039346656037) // np.uint64(2)) + ((np.uint64(m) << np.uint64(47)) | (np.uint64(m) >> np.uint64(64 - 47))))
+    x2 = np.full_like(G0[::-1, 1:-1], 1)
+    s = np.int32(np.int64(np.array(((np.int32(G1[0, (n) & 0]), np.int32((np.int32(G1[6 - 1, (n) & 0]) * np.int32(G1[0, 0]))),), (np.int32(7), np.int32(7),), (np.int32(1), np.int32(G1[0, (n) & 0]),),))[0, (k) % 2]))
+    a &= a[::-1]
+    s, z = np.int32(np.int32(a[::2][-(q & 7):].any())), math.sqrt(abs(w))
+    z = np.float32(z + x2.sum())
+    return np.int32(np.int32(np.uint64(255)))
+"""
+    verdict = judge(source, 940027, tmp_path, simulate="mapped")
+    assert verdict.kind == "agrees", verdict.text

@@ -23,6 +23,7 @@ from tests.fuzz.arguments import Difference, Shapes, arguments, compare
 from tests.fuzz.forms import OPTIONS, asked, forms
 from tests.fuzz.kinds import Kinds
 from vividc import arch
+from vividc.arch.fabric import Fabric
 from vividc.compiler.driver import CompileOptions, map_kernel
 from vividc.compiler.regions.map_regions import Unmapped
 from vividc.dfg.cut.build import build_kernel
@@ -51,6 +52,9 @@ MAPPING_S = 4.0
 
 ROUGH = frozenset("g")
 """Arrays of results that depend on the last bits of elementary functions."""
+
+_ENTRIES = (32, 8, 12, 6, 32)
+"""Of each constant store, by seed."""
 
 Simulated = Literal["", "blocks", "mapped", "tiles"]
 """Whether the simulator is a witness, and whether loops are scheduled for it or run in blocks, or
@@ -162,11 +166,18 @@ def words_in_blocks(function: Function) -> Program:
 
 def mapped(kernel: KernelFunction, source: str, seed: int) -> Program:
     """The words with loops scheduled, after random wishes for their transformation."""
-    mapping = partial(vividc.compile, kernel, contract=False, time_limit_s=MAPPING_S)
+    mapping = partial(vividc.compile, kernel, _tile(seed), contract=False, time_limit_s=MAPPING_S)
     try:
         return mapping(loops=asked(source, seed))
     except KernelError:  # a loop that cannot be transformed as asked
         return mapping(loops=vividc.LoopOptions(auto=False))
+
+
+def _tile(seed: int) -> Fabric:
+    """A tile whose constant stores may be so small that variables share their entries."""
+    tile = arch.load_tile("vivid-tile")
+    entries = _ENTRIES[seed % len(_ENTRIES)]
+    return replace(tile, pes=tuple(replace(pe, constants=entries) for pe in tile.pes))
 
 
 def _of_a_model(kernel: KernelFunction, seed: int) -> KernelFunction:

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 import vividc
 from vividc.arch.fabric import Scratchpad
+from vividc.dfg.forms.text_parser import parse
 from vividc.dfg.ir import DFG, AddressForm, Edge, EdgeKind, Node
 from vividc.machine.opcodes import ORDER, PRED, Opcode
 from vividc.mapper.resources.banks import Traffic, best_layout, best_starts, words_of
@@ -111,6 +112,36 @@ def test_of_stores_to_one_element_that_are_in_no_order_one_is_made(
     dfg = replace(arms, nodes=nodes, edges=(*arms.edges, *order))
     stalls = Traffic.of(dfg, PAD, 1, {1: 0, 2: 0, 3: 2}).stalls()
     assert stalls == pytest.approx(expected, abs=0.1)
+
+
+ARMS = """dfg "loop"
+%0 = live_in "p"
+%1 = const 0x00000001
+%2 = live_in "n"
+%3 = icmp.slt %2, %0
+%4 = {opposite}
+%5 = icmp.eq %2, %1
+%6 = and %3, %5
+%7 = and %4, %5
+%8 = load "a" %2 shift 2 if %6
+%9 = load "b" %2 shift 2 if %7
+"""
+
+
+@pytest.mark.parametrize(
+    ("opposite", "are_apart"),
+    [
+        ("xor %3, %1", True),
+        ("icmp.sle %0, %2", True),
+        ("icmp.slt %2, %0", False),
+        ("icmp.sle %2, %0", False),
+        ("icmp.slt %2, %1", False),
+    ],
+)
+def test_accesses_in_opposite_arms_of_a_branch_never_meet(opposite: str, are_apart: bool) -> None:
+    dfg = parse(ARMS.format(opposite=opposite))
+    stalls = Traffic.of(dfg, PAD, 1, {8: 0, 9: 0}).stalls({})
+    assert (stalls == 0.0) == are_apart
 
 
 def test_accesses_of_straight_code_meet_as_their_rows_do() -> None:

@@ -98,7 +98,9 @@ class Stores:
 
     def fit(self) -> bool:
         """Whether each store has entries for what it holds; if none are shared, that is known."""
-        return self.lives is None or all(self._numbered(pe, keys) is not None for pe, keys in self.held.items())
+        return self.lives is None or all(
+            self._numbered(pe, keys) is not None for pe, keys in self.held.items()
+        )
 
     def _padded(self, pe: int, near: Collection[ConstantKey]) -> frozenset[ConstantKey]:
         """With others, until they are as many as there are entries taken."""
@@ -107,9 +109,7 @@ class Stores:
         others = sorted(self.held[pe] - set(near), key=repr)
         return frozenset(near) | frozenset(others[: max(0, taken - len(near))])
 
-    def _numbered(
-        self, pe: int, keys: Collection[ConstantKey]
-    ) -> Mapping[ConstantKey, int] | None:
+    def _numbered(self, pe: int, keys: Collection[ConstantKey]) -> Mapping[ConstantKey, int] | None:
         assert self.lives is not None
         return numbered_entries(sorted(keys, key=repr), self.fabric.pes[pe].constants, self.lives)
 

@@ -14,7 +14,7 @@ from vividc.dfg.cut.build_straight import variable
 from vividc.dfg.cut.if_convert import Body, Predicates, merge_phi
 from vividc.dfg.cut.memory_order import Access, order_accesses
 from vividc.dfg.ir import DFG, Control, Node
-from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
+from vividc.machine.opcodes import MEMORY, OPCODES, Opcode, Type
 from vividc.ssa.analysis.counted import Trip
 from vividc.ssa.analysis.induction import initial, is_invariant
 from vividc.ssa.analysis.polynomial import ITERATION, LoopPolynomials, symbol
@@ -247,6 +247,9 @@ class _LoopEmitter:
         self.accesses.append(Access(node, Place(instr, block)))
         if is_store:
             self.effects.append((node, unless_exit))
+        if instr.type is Type.PRED and unless_exit:
+            # Where the iteration does not come so far, it is a byte of any array.
+            return self.builder.add(Opcode.AND, [node, self.builder.const(1)], instr.loc)
         return node
 
     def _address(self, instr: Instr) -> Address:
