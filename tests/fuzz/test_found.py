@@ -186,9 +186,12 @@ def program(a, n, m, q, r, w):
     a[::-1] = np.logical_not(a[:])
     for i1 in range(6 - 1, 0, -1):
         a ^= np.logical_not(a)
-    h = ((np.uint64(14695981039346656037) // np.uint64(2)) + ((np.uint64(m) << np.uint64(47)) | (np.uint64(m) >> np.uint64(64 - 47))))
+    h = ((np.uint64(14695981039346656037) // np.uint64(2)) + ((np.uint64(m) << np.uint64(47)) | (\
+np.uint64(m) >> np.uint64(64 - 47))))
     x2 = np.full_like(G0[::-1, 1:-1], 1)
-    s = np.int32(np.int64(np.array(((np.int32(G1[0, (n) & 0]), np.int32((np.int32(G1[6 - 1, (n) & 0]) * np.int32(G1[0, 0]))),), (np.int32(7), np.int32(7),), (np.int32(1), np.int32(G1[0, (n) & 0]),),))[0, (k) % 2]))
+    s = np.int32(np.int64(np.array(((np.int32(G1[0, (n) & 0]), np.int32((np.int32(G1[6 - 1, (n) \
+& 0]) * np.int32(G1[0, 0]))),), (np.int32(7), np.int32(7),), (np.int32(1), np.int32(G1[0, (n) & \
+0]),),))[0, (k) % 2]))
     a &= a[::-1]
     s, z = np.int32(np.int32(a[::2][-(q & 7):].any())), math.sqrt(abs(w))
     z = np.float32(z + x2.sum())

@@ -1,9 +1,10 @@
 """Dataflow graphs: the IR, where they come from and go to, passes on them, an interpreter.
 
 In order: `ir` (nodes and edges), `check` (invariants), `order`, `regions` (a kernel: a table of
-regions with a graph each), `lives` (in which of them variables are needed), `builder`; `cut/` (from SSA to regions), `passes/` and `expand/`
-(graph to graph), `pipeline` (their order), `alike` (graphs but for their names); `interpret/`;
-`forms/` (text, JSON, DOT, XML, networkx; docs/dfg-formats.md), `draw`.
+regions with a graph each), `lives` (in which of them variables are needed), `builder`; `cut/` (from
+SSA to regions), `passes/` and `expand/` (graph to graph), `pipeline` (their order), `alike` (graphs
+but for their names); `interpret/`; `forms/` (text, JSON, DOT, XML, networkx; docs/dfg-formats.md),
+`draw`.
 """
 
 from vividc.dfg.check import check

@@ -22,7 +22,6 @@ from vividc.compiler.regions.map_straight import (
 from vividc.compiler.regions.shared_variables import with_shared_variables
 from vividc.compiler.regions.stores import Stores
 from vividc.dfg.alike import unnamed
-from vividc.dfg.ir import DFG
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import MappingFailed, TimeLimit
 from vividc.host import time_limit
@@ -32,7 +31,6 @@ from vividc.mapper.bounds.bounds import all_bounds, mii
 from vividc.mapper.check.verify import violations
 from vividc.mapper.deadline import Deadline, limited
 from vividc.mapper.engines.negotiate import least_span
-from vividc.mapper.mapping import Mapping
 from vividc.mapper.result import mapping_of
 
 _SEARCH = "the search for mappings"
@@ -201,66 +199,84 @@ def _map_loops(
     """The results of all loops; None: the kernel is of no use, as some are mapped and by the bounds
     of the others.
     """
-    loops = _in_order(kernel, fabric)
+    stores = Stores.of(kernel, fabric)
+    loops = _in_order(kernel, stores)
     nodes = sum(len(region.dfg.placed) for region in kernel.regions if region.kind != "loop")
     left_s = time_limit.remaining_s()
     reserve_s = min(nodes * NODE_S, _STRAIGHT_SHARE * left_s)
     until = time_limit.now() + max(left_s - reserve_s, LEAST_S)
     results: dict[int, MapResult] = {}
-    stores = Stores.of(kernel, fabric)
     failed: dict[str, MappingFailed | TimeLimit] = {}
     least = _bounds(kernel, fabric)
     for number, (index, region) in enumerate(loops):
-        for held in stores.beside(index):
-            problem = MapProblem(region.dfg, fabric, {}, held)
-            result: MapResult | MappingFailed | TimeLimit | None = _still_good(problem, earlier)
-            if result is None:
-                share = _share(loops[number:])
-                with guarded((until - time_limit.now()) * share):
-                    result = _mapped_loop(region, problem, options, effort.remaining_s * share)
-            if not isinstance(result, MapResult):
-                break
-            beside = stores.with_regions([(region.dfg, mapping_of(result))])
-            if beside.fit():
-                stores = beside
-                break
+        turn = _Turn(_share(loops[number:]), until, effort)
+        result, stores = _mapped_beside(region, index, stores, earlier, options, turn)
         if isinstance(result, MapResult):
-            earlier.loops[unnamed(region.dfg)] = result
-            earlier.searched[posed(problem)] = result
             results[index] = result
             least |= _least(kernel, fabric, {index: result})
             if number + 1 < len(loops) and not failed and is_lost(least):
                 return None
-        elif result is not None:
-            failed[region.header] = result
-            if region.header in demanded:
-                break
+            continue
+        failed[region.header] = result
+        if region.header in demanded:
+            break
     if failed:
         return Unmapped(tuple(failed), next(iter(failed.values())))
     return dict(sorted(results.items()))
 
 
-def _in_order(kernel: Kernel, fabric: Fabric) -> list[tuple[int, Region]]:
+def _in_order(kernel: Kernel, stores: Stores) -> list[tuple[int, Region]]:
     """Loops as they are mapped, with their indices. Entries of constant stores are left to those
     that come last: where one store might not hold what all loops need, the largest come first.
     """
     loops = [(i, region) for i, region in enumerate(kernel.regions) if region.kind == "loop"]
-    problems = [MapProblem(region.dfg, fabric) for _, region in loops]
-    keys = {
-        key
-        for problem in problems
-        for node in problem.dfg.placed
-        for key in problem.constants_of(node)
-    }
-    if len(keys) <= min(pe.constants for pe in fabric.pes):
+    if not stores.are_crowded:
         return loops
     return sorted(loops, key=lambda loop: -len(loop[1].dfg.placed))
+
+
+@dataclass(frozen=True, slots=True)
+class _Turn:
+    """A loop's `share` of the time `until` some point, and of an effort."""
+
+    share: float
+    until: float
+    effort: Deadline
 
 
 def _share(left: Sequence[tuple[int, Region]]) -> float:
     """The first loop's part of what is left: as much as each, and more if it is larger."""
     sizes = [len(region.dfg.placed) for _, region in left]
     return max(1 / len(sizes), sizes[0] / max(1, sum(sizes)))
+
+
+def _mapped_beside(
+    region: Region,
+    index: int,
+    stores: Stores,
+    earlier: Earlier,
+    options: MapOptions,
+    turn: _Turn,
+) -> tuple[MapResult | MappingFailed | TimeLimit, Stores]:
+    """The result of a loop beside what constant stores hold, an earlier one if there is one, and
+    what they hold with it; or why it has no mapping.
+    """
+    for held in stores.beside(index):
+        problem = MapProblem(region.dfg, stores.fabric, {}, held)
+        result: MapResult | MappingFailed | TimeLimit | None = _still_good(problem, earlier)
+        if result is None:
+            with guarded((turn.until - time_limit.now()) * turn.share):
+                share_s = turn.effort.remaining_s * turn.share
+                result = _mapped_loop(region, problem, options, share_s)
+        if not isinstance(result, MapResult):
+            return result, stores
+        with_it = stores.with_regions([(region.dfg, mapping_of(result))])
+        if with_it.fit():
+            earlier.loops[unnamed(region.dfg)] = result
+            earlier.searched[posed(problem)] = result
+            return result, with_it
+    text = f"the constant stores have no entries left for what {region.name} reads and writes"
+    return MappingFailed(text, loc=region.loc), stores
 
 
 def _still_good(problem: MapProblem, earlier: Earlier) -> MapResult | None:

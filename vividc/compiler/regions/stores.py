@@ -1,4 +1,4 @@
-"""What the constant stores of PEs hold while the regions of a kernel are mapped, one after the other.
+"""What the constant stores of PEs hold while a kernel's regions are mapped, one after the other.
 
 Where they have entries for all that loops read and write, each variable has its own. Else those
 that no region needs at the same time may share one (`Lives`).
@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG
-from vividc.dfg.lives import ALWAYS, Lives
+from vividc.dfg.lives import Lives
 from vividc.dfg.regions import Kernel
 from vividc.mapper.mapping import Mapping as RegionMapping
 from vividc.mapper.problem import ConstantKey, MapProblem
@@ -26,8 +26,8 @@ Residents = Mapping[int, frozenset[ConstantKey]]
 
 @dataclass(frozen=True)
 class Stores:
-    """`held`: what regions that are mapped have there; `lives`: of variables that may share entries,
-    None if none do.
+    """`held`: what regions that are mapped have there; `lives`: of variables that may share
+    entries, None if none do.
     """
 
     fabric: Fabric
@@ -36,7 +36,7 @@ class Stores:
 
     @staticmethod
     def of(kernel: Kernel, fabric: Fabric) -> Stores:
-        """Empty ones. Variables may share entries if one store might not hold what all loops need."""
+        """Empty ones, whose entries are shared if one might not hold what all loops need."""
         loops = [region.dfg for region in kernel.regions if region.kind == "loop"]
         keys = {key for dfg in loops for key in _keys(dfg, fabric)}
         is_crowded = len(keys) > min(pe.constants for pe in fabric.pes)
