@@ -4,6 +4,5 @@ In order: `constants`, `alias`; loops: their `induction` variables, the `counter
 headers test; values as `polynomial` forms, and subscripts with unknown `strides`; trip counts:
 `counted` (a value of the program), `constant_trips` (a number), `frequency` (an estimate);
 `reductions` (scalars that iterations only add to); `acyclic` control flow and `levels` of it,
-`conjunctions` of tests under which blocks run, `implications` between tests; nests and threads:
-`distinct`, `uniform`.
+`conjunctions` of tests under which blocks run; nests and threads: `distinct`, `uniform`.
 """

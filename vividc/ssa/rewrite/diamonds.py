@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 
 from vividc.machine.opcodes import ELEMENTARY, MEMORY, OPCODES, Opcode, Type
 from vividc.machine.params import TRAP
-from vividc.ssa.analysis.implications import Implications
+from vividc.ssa.analysis.conjunctions import Implications
 from vividc.ssa.edit import FreshIds, incoming, with_blocks
 from vividc.ssa.flow import blocks_of_pipelined_loops, predecessors
 from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Kind, Phi, Ref, Undefined, Value
