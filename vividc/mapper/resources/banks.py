@@ -183,6 +183,12 @@ class Traffic:
 
     def _spread_bank(self, node: Node, known: Words) -> _Draws:
         """What is idle lies in a bank of its own."""
+        key = ("spread", node.id, tuple(map(known.get, _words_in(node))))
+        if key not in self._known:
+            self._known[key] = self._found_spread(node, known)
+        return self._known[key]
+
+    def _found_spread(self, node: Node, known: Words) -> _Draws:
         stage = _chosen(f"stage {node.id}", _STAGES)
         bank = _bank(node, stage, self.banks, known, is_mapped=False)
         return np.where(self._idle(node), self.banks, bank)
