@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from vividc.compiler.planning.plan import Plan, Stage
 from vividc.compiler.regions.map_regions import Unmapped
 from vividc.dfg.ir import DFG
 from vividc.dfg.pipeline import PassOptions
-from vividc.errors import MappingFailed, TimeLimit
+from vividc.errors import KernelError, MappingFailed, TimeLimit
 from vividc.mapper import MapProblem, MapResult
 from vividc.mapper.deadline import EFFORT_SHARE, Deadline
 from vividc.mapper.registry import BUILT_IN
@@ -63,6 +64,20 @@ def test_a_stage_that_does_not_map_gives_way_to_the_one_before() -> None:
     settled = settle(stages, attempt)
     assert settled.index == 1
     assert "too slow" in settled.dropped[2]
+
+
+def test_a_kernel_that_only_a_late_stage_could_save_is_refused_with_a_longer_time_limit() -> None:
+    stages = made(100, 50)
+
+    def attempt(stage: Stage, *_: object, late: bool) -> Outcome:
+        if stage is stages.stages[1] and late:
+            raise TimeLimit("too slow")
+        raise KernelError("needs 600 contexts", hint="split the kernel")
+
+    for late, hint in ((True, "--time-limit"), (False, "split the kernel")):
+        with pytest.raises(KernelError, match="needs 600 contexts") as caught:
+            settle(stages, partial(attempt, late=late))
+        assert hint in str(caught.value)
 
 
 def test_a_reserve_is_mapped_if_the_stage_after_it_is_not_or_comes_out_slower() -> None:

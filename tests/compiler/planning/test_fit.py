@@ -13,7 +13,12 @@ from vividc import arch
 from vividc.arch.fabric import Fabric
 from vividc.compiler.driver import CompileOptions, estimator_for
 from vividc.compiler.planning.choose import choose
+from vividc.compiler.planning.fit import fitted
 from vividc.compiler.planning.options import LoopOptions
+from vividc.compiler.planning.plan import Draft, Stage
+from vividc.compiler.planning.state import State
+from vividc.frontend import KernelFunction
+from vividc.ssa.rewrite.tidy import tidy
 
 M = "int32[:, ::1]"
 
@@ -35,13 +40,30 @@ def many(x: Any, y: Any, z: Any) -> None:
             y[i, j] -= x[x.shape[0] - 1 - i, j]
 
 
+@vividc.kernel(f"void({M}, {M}, {M})")
+def more(x: Any, y: Any, z: Any) -> None:
+    """So many that not all are flattened at once."""
+    y[:, :] = x * 3
+    z[:, :] = y[::-1] ^ x
+    x += z[:, ::-1]
+    y -= x[::-1]
+    z[:, :] = y[:, ::-1] ^ x
+    x += z[::-1]
+    y -= x[:, ::-1]
+    z[:, :] = y[::-1] ^ x
+    x += z[:, ::-1]
+    y -= x[::-1]
+    z[:, :] = y[:, ::-1] ^ x
+    x += z[::-1]
+
+
 def tile(contexts: int) -> Fabric:
     fabric = arch.load("vivid-tile")
     return replace(fabric, controller=replace(fabric.controller, contexts=contexts))
 
 
-def taken(fabric: Fabric) -> float:
-    return estimator_for(fabric, CompileOptions()).estimate(many.lower(), {}).contexts
+def taken(fabric: Fabric, kernel: KernelFunction = many) -> float:
+    return estimator_for(fabric, CompileOptions()).estimate(kernel.lower(), {}).contexts
 
 
 def test_a_kernel_beyond_the_contexts_has_its_nests_flattened() -> None:
@@ -59,6 +81,16 @@ def test_a_kernel_beyond_the_contexts_has_its_nests_flattened() -> None:
     many(*expected)
     vividc.simulate(program, *arrays)
     assert all((mine == numbas).all() for mine, numbas in zip(arrays, expected, strict=True))
+
+
+def test_before_the_first_stage_that_may_fit_are_some_that_take_fewer_contexts() -> None:
+    fabric = tile(int(taken(arch.load("vivid-tile"), more)) - 20)
+    estimator = estimator_for(fabric, CompileOptions())
+    function = tidy(more.lower())
+    written = Stage(State(function, {}), estimator.estimate(function, {}))
+    least, *_, first = fitted(Draft(estimator, LoopOptions(), [written], frozenset()), written)
+    assert least.estimate.contexts < first.estimate.contexts <= fabric.controller.contexts
+    assert first.estimate.cycles < least.estimate.cycles
 
 
 def test_nests_that_the_user_wants_left_alone_stay() -> None:

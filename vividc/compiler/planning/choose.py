@@ -125,7 +125,7 @@ def choose(
     obey(chooser)
     asked = len(chooser.stages) - 1
     if options.auto:
-        if (fitting := fitted(chooser, chooser.now)) is not None:
+        for fitting in fitted(chooser, chooser.now):
             chooser.accept(fitting)
         chooser.improve_in_time()
     return Plan(tuple(chooser.stages), tuple(chooser.decisions), asked)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from vividc.compiler.planning.estimate import Estimate, Estimator
 from vividc.compiler.planning.plan import Plan, Stage
 from vividc.dfg.regions import Kernel
-from vividc.errors import TimeLimit, VividcError
+from vividc.errors import KernelError, MappingFailed, TimeLimit, VividcError
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.result import MapResult
 from vividc.program import Program
@@ -23,6 +23,8 @@ _AS_WRITTEN = 0.4
 _STAGE_S = 25.0
 """A stage of transformed loops is given up after so long, and an earlier one mapped instead."""
 
+
+_LONGER = "give a longer --time-limit: smaller forms of its loops were not mapped in time"
 
 _HOPEFUL = 0.9
 """Of the cycles achieved: what is in reserve is mapped, too, if it is expected to take so few."""
@@ -139,6 +141,7 @@ def settle(plan: Plan, attempt: Attempt) -> Settled:
     """
     best: Settled | None = None
     dropped: dict[int, str] = {}
+    is_late = False
     for index in reversed(range(len(plan.stages))):
         if best is not None and not _is_worth_it(plan.stages[index], best):
             continue
@@ -146,7 +149,10 @@ def settle(plan: Plan, attempt: Attempt) -> Settled:
             outcome = attempt(plan.stages[index], index == 0, _below(best))
         except VividcError as error:
             if index == 0 and best is None:
+                if is_late and isinstance(error, KernelError | MappingFailed):
+                    raise type(error)(error.reason, loc=error.loc, hint=_LONGER) from error
                 raise
+            is_late = is_late or isinstance(error, TimeLimit)
             dropped[index] = f"taken back: {error.reason}"
             continue
         if outcome and (best is None or _rank(outcome) < _rank(best.outcome)):

@@ -13,30 +13,36 @@ from vividc.compiler.planning.candidates import Candidate
 from vividc.compiler.planning.plan import Draft, Stage
 from vividc.compiler.planning.state import State
 
-_ROOM: Final = 0.85
-"""Share of the contexts that an estimate may take, if flattening does it: schedules take more than
-their bounds (vadv of NPBench: 397 and 440).
+_ROOMS: Final = (0.85, 0.7, 0.5)
+"""Shares of the contexts that an estimate may take, if flattening does it: schedules take more than
+their bounds (vadv of NPBench: 435 and 604, where constant stores are full).
 """
 
 _TOGETHER: Final = 8
 """Nests that are flattened before the kernel is estimated again: each saves about six contexts."""
 
 
-def fitted(draft: Draft, stage: Stage) -> Stage | None:
+def fitted(draft: Draft, stage: Stage) -> list[Stage]:
     """A stage that takes more contexts than there are with nests flattened, those first that take
-    fewest cycles, until it fits; None if it does not, or fits as it is.
+    fewest cycles, until it fits: the first stage that may be mapped, and before it others that are
+    likelier to be. None if it does not fit so, or as it is.
     """
     most = draft.estimator.fabric.controller.contexts
+    found: list[Stage] = []
     if stage.estimate.contexts <= most:
-        return None
+        return found
     tried: set[str] = set()
-    while stage.estimate.contexts > _ROOM * most:
-        headers = sorted(draft.around_one_loop(stage, tried), key=stage.cycles_in)
-        if not headers:
-            break
-        tried |= {*headers[:_TOGETHER]}
-        stage = _flattened(draft, stage, headers[:_TOGETHER])
-    return stage if stage.estimate.contexts <= most else None
+    for share in _ROOMS:
+        before = stage
+        while stage.estimate.contexts > share * most:
+            headers = sorted(draft.around_one_loop(stage, tried), key=stage.cycles_in)
+            if not headers:
+                break
+            tried |= {*headers[:_TOGETHER]}
+            stage = _flattened(draft, stage, headers[:_TOGETHER])
+        if stage is not before and stage.estimate.contexts <= most:
+            found.insert(0, stage)
+    return found
 
 
 def _flattened(draft: Draft, base: Stage, headers: list[str]) -> Stage:
