@@ -179,3 +179,19 @@ DEPENDENT = (
     guarded,
     clamped,
 )
+
+
+@kernel("void(int64, int64, float32[:, ::1])")
+def sweeps(n, steps, u):
+    """Recurrences along rows and columns, as statements on parts whose lengths are clipped."""
+    p = np.zeros(u.shape, np.float32)
+    q = np.zeros(u.shape, np.float32)
+    for _ in range(steps):
+        p[1 : n - 1, 0] = np.float32(0.0)
+        q[1 : n - 1, 0] = u[0, 1 : n - 1]
+        for j in range(1, n - 1):
+            p[1 : n - 1, j] = p[1 : n - 1, j - 1] * np.float32(0.5) + np.float32(0.25)
+            around = u[j, 0 : n - 2] + u[j, 1 : n - 1] - u[j, 2:n]
+            q[1 : n - 1, j] = (around - q[1 : n - 1, j - 1]) * p[1 : n - 1, j - 1]
+        for j in range(n - 2, 0, -1):
+            u[j, 1 : n - 1] = p[1 : n - 1, j] * u[j + 1, 1 : n - 1] + q[1 : n - 1, j]

@@ -137,3 +137,12 @@ def test_what_isl_has_no_time_for_is_assumed(operations: int) -> None:
     found = Meetings(function, loop, operations).between(load, store, now=True)
     assert found in (Distances(0, 1, assumed=True), Distances(0, None, assumed=True))
     assert Meetings(function, loop).between(load, store, now=True).earlier is None
+
+
+def test_isl_gives_up_on_the_strides_of_parts_with_clipped_lengths() -> None:
+    """It took the first accesses of NPBench's adi more than five minutes, whatever the limit."""
+    mine = np.linspace(-1, 1, 81, dtype=np.float32).reshape(9, 9)
+    numbas = mine.copy()
+    run_regions(regions(k.sweeps), [np.int64(9), np.int64(2), mine])
+    k.sweeps(np.int64(9), np.int64(2), numbas)
+    np.testing.assert_allclose(mine, numbas, rtol=1e-5)

@@ -123,14 +123,19 @@ class Meetings:
         test = self._strides_apart(first, second)
         if test is None:
             return None
+        with bounded(self.most_operations):
+            if self._never_fails(test, first.block):
+                same = test.less == Const(1)
+                return Distances(0 if now and same else None, None)
+        return None
+
+    def _never_fails(self, test: NotMore, block: str) -> bool:
+        """Whether a comparison holds wherever a block runs."""
         less, more = (self._values.of(value) for value in (test.less, test.more))
         if less is None or more is None:
-            return None
-        wrong = less.aff.gt_set(more.aff).intersect(self._values.domain(first.block))
-        if not wrong.intersect(self._values.universe).is_empty():
-            return None
-        same = test.less == Const(1)
-        return Distances(0 if now and same else None, None)
+            return False
+        wrong = less.aff.gt_set(more.aff).intersect(self._values.domain(block))
+        return bool(wrong.intersect(self._values.universe).is_empty())
 
     def _moving(self, place: Place) -> Stride | None:
         if place not in self._strides:
