@@ -28,6 +28,10 @@ def solutions(a, b):
     b[:] = np.linalg.solve(a, b) + np.linalg.solve(a, b[0])
 
 
+def of_real_numbers(a, b):
+    b[:] = np.linalg.solve(a, b.real.copy()) + np.linalg.solve(b.real.copy(), a)
+
+
 def permuted(a, b):
     b[:] = np.transpose(a, axes=(1, 0, 2)) - a.transpose((-2, 0, -1)).copy() * a.transpose(1, 0, 2)
 
@@ -52,6 +56,7 @@ def system(dtype: str) -> np.ndarray:
         (inverse, "float32"),
         (inverse, "complex64"),
         (solutions, "float32"),
+        (of_real_numbers, "complex64"),
     ],
 )
 def test_systems_have_numpys_solutions(function: Callable[..., object], dtype: str) -> None:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numba.core import types
 from numba.extending import register_jitable
+from numba.np.numpy_support import as_dtype
 
 from vividc.frontend.numba.library.linalg import overload_without_scipy
 
@@ -69,9 +70,23 @@ def _inv(a: Any) -> Any:
 
 @overload_without_scipy(np.linalg.solve)
 def _overload_solve(a: Any, b: Any) -> Any:
-    if not _is_matrix(a) or not isinstance(b, types.Array) or b.dtype != a.dtype:
+    if not _is_matrix(a) or not isinstance(b, types.Array):
         return None
+    if b.dtype != a.dtype:
+        return _solve_mixed(a, b)
     return {1: _solve_vector, 2: _solve}.get(b.ndim)
+
+
+def _solve_mixed(a: Any, b: Any) -> Any:
+    """As NumPy does: in the type that holds both."""
+    if not isinstance(b.dtype, types.Float | types.Complex):
+        return None
+    both = np.promote_types(as_dtype(a.dtype), as_dtype(b.dtype)).type
+
+    def solve(a: Any, b: Any) -> Any:
+        return np.linalg.solve(a.astype(both), b.astype(both))
+
+    return solve
 
 
 def _solve(a: Any, b: Any) -> Any:
