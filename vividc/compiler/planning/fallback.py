@@ -23,7 +23,6 @@ _AS_WRITTEN = 0.4
 _STAGE_S = 25.0
 """A stage of transformed loops is given up after so long, and an earlier one mapped instead."""
 
-
 _LONGER = "give a longer --time-limit: smaller forms of its loops were not mapped in time"
 
 _HOPEFUL = 0.9

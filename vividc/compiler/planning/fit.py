@@ -23,9 +23,9 @@ _TOGETHER: Final = 8
 
 
 def fitted(draft: Draft, stage: Stage) -> list[Stage]:
-    """A stage that takes more contexts than there are with nests flattened, those first that take
-    fewest cycles, until it fits: the first stage that may be mapped, and before it others that are
-    likelier to be. None if it does not fit so, or as it is.
+    """Of a stage that takes more contexts than there are: it with nests flattened, those first that
+    take fewest cycles, until it may be mapped; before that, forms that are likelier to be. None if
+    it does not fit so, or fits as it is.
     """
     most = draft.estimator.fabric.controller.contexts
     found: list[Stage] = []
