@@ -68,10 +68,13 @@ def _unordered(dfg: DFG, accesses: Sequence[Node]) -> dict[int, tuple[Arm, ...]]
 
 def _tests(dfg: DFG, access: Node) -> Iterator[_Test]:
     """What its predicate is the conjunction of."""
-    edges = [dfg.operand(access.id, PRED)]
+    edges, seen = [dfg.operand(access.id, PRED)], set[_Word]()
     while edges:
         edge = edges.pop()
         assert edge is not None
+        if (edge.src, edge.distance) in seen:
+            continue
+        seen.add((edge.src, edge.distance))
         node = dfg.by_id[edge.src]
         if node.op is Opcode.AND and not edge.distance:
             edges += [dfg.operand(node.id, 0), dfg.operand(node.id, 1)]

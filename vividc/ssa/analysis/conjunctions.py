@@ -94,10 +94,18 @@ class Implications:
         )
 
     def _conjuncts(self, value: Value) -> list[Value]:
-        made = self._made(value, Opcode.AND)
-        if made is None:
-            return [value]
-        return [test for operand in made.operands for test in self._conjuncts(operand)]
+        left, seen, found = [value], set[Value](), []
+        while left:
+            one = left.pop()
+            if one in seen:
+                continue
+            seen.add(one)
+            made = self._made(one, Opcode.AND)
+            if made is None:
+                found.append(one)
+            else:
+                left += made.operands
+        return found
 
     def _demands(self, test: Value, wanted: Counter[Value]) -> bool:
         margin = self._margin(test)
