@@ -4,7 +4,6 @@ imply.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
@@ -14,7 +13,7 @@ from vividc.machine.words import signed
 from vividc.ssa.analysis.acyclic import Acyclic, Edge, PathPredicates
 from vividc.ssa.analysis.levels import Level
 from vividc.ssa.edit import read_values
-from vividc.ssa.ir import Const, Function, Instr, Ref, Value, definition_of
+from vividc.ssa.ir import Const, Function, Input, Instr, Ref, Value, definition_of, is_dimension
 
 Conjunction = frozenset[tuple[Value, bool]]
 """Tests and whether they hold, all at once."""
@@ -72,8 +71,14 @@ def only_tested(function: Function) -> set[int]:
     return {value.id for value in tests if isinstance(value, Ref)}
 
 
-_CONSTANT: Final = Const(1)
-"""Stands in a sum for what no value is a factor of."""
+@dataclass(frozen=True, slots=True)
+class _Demand:
+    """`more` - `less` is at least so much; `is_word`: as a word, in which it may have wrapped."""
+
+    more: Value
+    less: Value
+    least: int
+    is_word: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,8 +91,11 @@ class Implications:
     def holds(self, one: Value, other: Value) -> bool:
         """Whether `other` holds wherever `one` does: it is one of the tests whose conjunction `one`
         is, or one of these demands as much or more of the same difference of signed words.
+
+        Nothing is taken for granted that was proved of a sum: that may be true only where its block
+        runs, of which `other` may be the condition.
         """
-        wanted = self._margin(other)
+        wanted = self._demand(other)
         return any(
             test == other or (wanted is not None and self._demands(test, wanted))
             for test in self._conjuncts(one)
@@ -107,42 +115,38 @@ class Implications:
                 left += made.operands
         return found
 
-    def _demands(self, test: Value, wanted: Counter[Value]) -> bool:
-        margin = self._margin(test)
-        if margin is None:
+    def _demands(self, test: Value, wanted: _Demand) -> bool:
+        own = self._demand(test)
+        if own is None or (own.more, own.less) != (wanted.more, wanted.less):
             return False
-        more = Counter(wanted)
-        more.subtract(margin)
-        constant = more.pop(_CONSTANT, 0)
-        return constant >= 0 and not any(more.values())
+        return own.least >= wanted.least and (own.is_word or not wanted.is_word)
 
-    def _margin(self, test: Value) -> Counter[Value] | None:
-        """What is positive if and only if a comparison of signed words holds."""
+    def _demand(self, test: Value) -> _Demand | None:
+        """Of a comparison of two words, or of a number and a difference: a word of which the first
+        is not negative wraps only where it is large, and not where it is too small.
+        """
         made = self._made(test, Opcode.ICMP_SLT, Opcode.ICMP_SLE)
         if made is None:
             return None
-        less, more = made.operands
-        margin = Counter[Value]({_CONSTANT: int(made.op is Opcode.ICMP_SLE)})
-        margin.update(self._sum(more))
-        margin.subtract(self._sum(less))
-        return margin
-
-    def _sum(self, value: Value) -> Counter[Value]:
-        """A signed word as a sum of whole numbers, each value with its factor: through additions
-        that do not wrap.
-        """
-        value = self.function.settled(value)
-        if isinstance(value, Const):
-            return Counter({_CONSTANT: signed(value.word)})
-        made = self._made(value, Opcode.ADD, Opcode.SUB)
-        if made is None or not made.exact:
-            return Counter({value: 1})
-        total, other = map(self._sum, made.operands)
-        (total.update if made.op is Opcode.ADD else total.subtract)(other)
-        return total
+        less, more = map(self.function.settled, made.operands)
+        least = int(made.op is Opcode.ICMP_SLT)
+        apart = self._made(more, Opcode.SUB)
+        if apart is None or not isinstance(less, Const):
+            return _Demand(more, less, least, is_word=False)
+        first, second = map(self.function.settled, apart.operands)
+        if signed(less.word) < 0 or not _is_natural(first):
+            return None
+        return _Demand(first, second, signed(less.word) + least, is_word=True)
 
     def _made(self, value: Value, *ops: Opcode) -> Instr | None:
         """The instruction that makes a value, if it is one of those."""
         further = self.further.get(value.id) if isinstance(value, Ref) else None
         item = further or definition_of(self.function, value)
         return item if isinstance(item, Instr) and item.op in ops else None
+
+
+def _is_natural(value: Value) -> bool:
+    """Whether a word is known not to be negative, wherever it is read."""
+    if isinstance(value, Const):
+        return signed(value.word) >= 0
+    return isinstance(value, Input) and is_dimension(value)
