@@ -14,6 +14,7 @@ import vividc
 from benchmarks import c_kernels, general, render_kernels
 from benchmarks.workloads import WORKLOADS, Workload, transformations
 from vividc.compiler.planning.estimate import RegionCost, Shape
+from vividc.dfg.regions import loop_behind, runs_into
 from vividc.program import Program
 from vividc.sim import Stats
 
@@ -105,15 +106,30 @@ def measured(workload: Workload, fabric: str, time_limit_s: float) -> Measured:
 def predicted(program: Program, stats: Stats) -> float:
     """The estimate's cycles of a run, by what each region takes and how often it ran."""
     total = float(stats["switch_cycles"])
-    for row, report, region in zip(program.table, program.regions, stats["regions"], strict=True):
+    rows = zip(program.table, program.regions, stats["regions"], strict=True)
+    for index, (row, report, region) in enumerate(rows):
         if row.drain:  # the region behind begins early whenever the loop had an iteration
             total -= row.drain * min(region["entries"], region["iterations"])
+        total -= row.fill * _begun_early(program, stats, index)
         runs = region["entries"]
         trips = region["iterations"] / runs if runs and row.kind == "loop" else 1.0
         span = row.span if row.kind == "loop" else row.ii
         shape = Shape(row.ii, span, report.operations, stalls=report.stalls)
         total += RegionCost(report.name, row.kind, shape, runs, trips).cycles
     return total
+
+
+def _begun_early(program: Program, stats: Stats, index: int) -> float:
+    """How often a loop begins while a straight region ends: if it has enough iterations."""
+    loop = loop_behind(program.table, index)
+    fill, regions = program.table[index].fill, stats["regions"]
+    if not fill or loop is None:
+        return 0.0
+    behind = regions[loop]
+    if behind["iterations"] < program.table[loop].least_trips(fill) * behind["entries"]:
+        return 0.0
+    runs = [float(region["entries"]) for region in regions]
+    return runs_into(program.table, index, loop, runs)
 
 
 def _hot(program: Program) -> Iterable[str]:

@@ -129,7 +129,7 @@ def test_what_waits_for_the_loop_comes_after_it(seed: int) -> None:
 def test_accesses_of_other_arrays_may_pass_each_other() -> None:
     nothing = frozenset[object]()
     accesses = frozenset({(3, "a", True), (7, "b", False)})
-    left = Drain(9, *[nothing] * 6, accesses, nothing, nothing)  # type: ignore[arg-type]
+    left = Drain(*[nothing] * 6, accesses, 9, nothing, nothing)  # type: ignore[arg-type]
     dfg = random_region(1, 30, memory=0.5)
     problem = MapProblem(dfg, tile(), drain=left)
     for node in dfg.placed:
@@ -143,6 +143,6 @@ def test_a_region_waits_for_entries_that_the_loop_writes() -> None:
     nothing = frozenset[object]()
     written = frozenset({(2, key, 6)})
     read = frozenset({(3, key, 8)})
-    left = Drain(9, *[nothing] * 6, frozenset(), read, written)  # type: ignore[arg-type]
+    left = Drain(*[nothing] * 7, 9, read, written)  # type: ignore[arg-type]
     assert left.readable_from == {(2, key): 6}
     assert left.writable_from == {(2, key): 6, (3, key): 8}

@@ -11,14 +11,14 @@ import pytest
 
 import vividc
 from tests.sim.native.agreement import agreed_run, launch, outcome, same
-from vividc.compiler.regions import map_straight
+from vividc.compiler.regions import one_straight
 from vividc.errors import BundleError, InternalError
 from vividc.host.once import once_each
 from vividc.machine.opcodes import Opcode
 from vividc.mapper.problem import Drain
 from vividc.mapper.resources.drain import drain_of
 from vividc.program import Program, RegionRow, from_bytes
-from vividc.program.drains import parts
+from vividc.program.overlaps.parts import parts
 from vividc.program.words.entry import Entry
 from vividc.sim import NativeEngine, ReferenceEngine
 from vividc.sim.engine import Launch, RegionSpan, Run
@@ -236,7 +236,7 @@ def recurrence(a, x, y):
         (gemm, "shown", "two live-outs"),
         (gemm, "words", "two sources for|written by both"),
         (gemm, "entries_written", "is read too early"),
-        (recurrence, "accesses", "accesses memory before the loop is done with it|in a cycle"),
+        (recurrence, "accesses", "memory is accessed before the one before|in a cycle"),
     ],
     ids=["issues", "results", "live-outs", "words", "entries", "accesses"],
 )
@@ -246,7 +246,7 @@ def test_what_a_scheduler_does_not_see_is_noticed(
     def blind(*args: Any) -> Drain:
         return replace(drain_of(*args), **{unseen: frozenset()})
 
-    monkeypatch.setattr(map_straight, "drain_of", blind)
+    monkeypatch.setattr(one_straight, "drain_of", blind)
     with pytest.raises(InternalError, match=text):
         vividc.compile(kernel, fabric="vivid-tile", cache=False)
 

@@ -31,7 +31,7 @@ from vividc.compiler.regions.map_regions import (
     guarded,
     map_kernel,
 )
-from vividc.compiler.regions.map_straight import Progress
+from vividc.compiler.regions.one_straight import Progress
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.regions import Kernel
@@ -425,7 +425,14 @@ def _map_stage(
     )
     program = watched("encode", encoding)
     shapes = [
-        Shape(report.ii, report.span, report.operations, stalls=report.stalls, drain=row.drain)
+        Shape(
+            report.ii,
+            report.span,
+            report.operations,
+            stalls=report.stalls,
+            drain=row.drain,
+            fill=row.fill,
+        )
         for report, row in zip(program.regions, program.table, strict=True)
     ]
     achieved = estimator.priced(function, mapped, shapes, stage.state.hints)

@@ -9,7 +9,14 @@ from dataclasses import dataclass
 from typing import Final
 
 from vividc.dfg.ir import DFG
-from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE, Kernel, is_variable, loops_before
+from vividc.dfg.regions import (
+    RETURN_HIGH,
+    RETURN_VARIABLE,
+    Kernel,
+    is_variable,
+    loop_behind,
+    loops_before,
+)
 from vividc.machine.opcodes import Opcode
 
 
@@ -57,7 +64,7 @@ ALWAYS: Final = -1
 class Lives:
     """`regions`: by variable, a bit for each region that needs it: that reads or writes it, or runs
     before it is read. What a loop needs is needed by the straight region that may begin while it
-    ends, too.
+    ends, and by the one under whose end it may begin, too.
     """
 
     regions: Mapping[str, int]
@@ -69,8 +76,9 @@ class Lives:
         before = loops_before(kernel.regions)
         regions: dict[str, int] = {}
         for index, after in enumerate(needed_after(kernel)):
-            drained = used[before[index]] if index in before else set()
-            for name in used[index] | after | drained:
+            loops = (before.get(index), loop_behind(kernel.regions, index))
+            overlapping = [used[loop] for loop in loops if loop is not None]
+            for name in set().union(used[index], after, *overlapping):
                 regions[name] = regions.get(name, 0) | 1 << index
         return Lives(regions)
 

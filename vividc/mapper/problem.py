@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterable
 from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -17,14 +17,11 @@ ConstantKey = tuple[str, int | str]
 
 
 @dataclass(frozen=True)
-class Drain:
-    """What the last iterations of a loop still take when the straight region behind it begins
-    (docs/machine.md), by that region's cycles.
+class Taken:
+    """What a mapped region takes.
 
     Attributes
     ----------
-    cycles
-        After which nothing of it is left.
     issued, completed, shown
         (PE, cycle) in which its operations issue, its results are in output registers, and its
         live-outs take the port of the constant store.
@@ -33,14 +30,9 @@ class Drain:
     written, read
         (PE, register, cycle) in which ports of the register file are taken.
     accesses
-        (cycle, array, whether it is a store): the region accesses the array later if either of the
-        two stores, and nothing in the same cycle.
-    entries_read, entries_written
-        (PE, entry of its constant store, cycle): the last one in which it reads it, and the first
-        in which what it wrote can be read.
+        (cycle, array, whether it is a store) to the scratchpad.
     """
 
-    cycles: int
     issued: frozenset[tuple[int, int]]
     completed: frozenset[tuple[int, int]]
     shown: frozenset[tuple[int, int]]
@@ -48,6 +40,75 @@ class Drain:
     written: frozenset[tuple[int, int, int]]
     read: frozenset[tuple[int, int, int]]
     accesses: frozenset[tuple[int, str, bool]]
+
+
+@dataclass(frozen=True)
+class Fill(Taken):
+    """What a loop takes in its first cycles, in which the straight region before it may end
+    (docs/machine.md), by that region's cycles. The region accesses an array before the loop if
+    either of the two stores, and nothing in the same cycle.
+
+    Attributes
+    ----------
+    cycles
+        So many are told of.
+    entries_read, entries_written
+        By PE and entry of its constant store, after how many cycles the loop does first.
+    begin
+        The cycle of the region in which the loop is to begin.
+    expected
+        So many cycles of the loop the region is expected to end in.
+    """
+
+    cycles: int
+    entries_read: ReadOnly[tuple[int, ConstantKey], int]
+    entries_written: ReadOnly[tuple[int, ConstantKey], int]
+    begin: int = 0
+    expected: int = 0
+
+    def renamed(self, names: ReadOnly[Any, object]) -> Hashable:
+        """What a mapper looks at, with other names for the entries that matter."""
+        read, written = (
+            frozenset((pe, names[key], cycle) for (pe, key), cycle in some.items() if key in names)
+            for some in (self.entries_read, self.entries_written)
+        )
+        taken = (self.issued, self.completed, self.shown, self.words, self.written, self.read)
+        return self.begin, self.expected, taken, self.accesses, read, written
+
+    def after(self, node: Node, key: ConstantKey, pes: Iterable[int]) -> int | None:
+        """Cycles of the loop before which it needs what a node writes to an entry, or that it has
+        been read; None: it does not.
+        """
+        some = self.entries_read if node.op is Opcode.LIVE_OUT else self.entries_written
+        return min((some[pe, key] for pe in pes if (pe, key) in some), default=None)
+
+    def accessed_after(self, node: Node) -> int | None:
+        """Cycles of the loop before which an access has to be made; None: it does not matter."""
+        is_store = node.op is Opcode.STORE
+        first = (
+            cycle - self.begin
+            for cycle, array, stores in self.accesses
+            if (stores or is_store) and (array == node.name or not (array and node.name))
+        )
+        return min(first, default=None)
+
+
+@dataclass(frozen=True)
+class Drain(Taken):
+    """What the last iterations of a loop still take when the straight region behind it begins
+    (docs/machine.md), by that region's cycles. The region accesses an array after the loop if
+    either of the two stores, and nothing in the same cycle.
+
+    Attributes
+    ----------
+    cycles
+        After which nothing of it is left.
+    entries_read, entries_written
+        (PE, entry of its constant store, cycle): the last one in which it reads it, and the first
+        in which what it wrote can be read.
+    """
+
+    cycles: int
     entries_read: frozenset[tuple[int, ConstantKey, int]]
     entries_written: frozenset[tuple[int, ConstantKey, int]]
 
@@ -96,8 +157,9 @@ class MapProblem:
     resident
         Entries that other regions already hold in the constant store of each PE; they count towards
         its capacity, and using one again costs nothing.
-    drain
-        Of a straight region: what is left of the loop before it.
+    drain, fill
+        Of a straight region: what is left of the loop before it, and what the one behind it takes
+        that begins before it ends.
     """
 
     dfg: DFG
@@ -105,6 +167,7 @@ class MapProblem:
     allowed: ReadOnly[int, frozenset[int]] = field(default_factory=dict)
     resident: ReadOnly[int, frozenset[ConstantKey]] = field(default_factory=dict)
     drain: Drain | None = None
+    fill: Fill | None = None
 
     def candidates(self, node: Node) -> tuple[int, ...]:
         """PEs that `node` may be placed on."""
@@ -137,6 +200,24 @@ class MapProblem:
             from_which = self.drain.writable_from if is_own else self.drain.readable_from
             first = max(first, from_which.get((pe, entry), 0))
         return first
+
+    def tail(self, node: Node) -> int:
+        """Cycles from a node's issue to the end of the region, for what the loop behind it needs
+        when it begins.
+        """
+        fill, tail = self.fill, 0
+        if fill is None:
+            return 0
+        if node.control is not None:
+            acts = self.fabric.latency(node) + self.fabric.controller.control_latency
+            tail = acts + fill.expected
+        if node.is_memory and (after := fill.accessed_after(node)) is not None:
+            tail = max(tail, fill.expected - after + 1)
+        for key in self.constants_of(node):
+            after = fill.after(node, key, self.candidates(node))
+            if after is not None:
+                tail = max(tail, fill.expected - after + 1)
+        return tail
 
     @cached_property
     def releases(self) -> ReadOnly[int, int]:

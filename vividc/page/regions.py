@@ -81,6 +81,7 @@ def region_data(program: Program, index: int, own: OwnLines) -> Data:
         "span": report.span,
         "stages": report.stages,
         "drain": program.table[index].drain,
+        "fill": program.table[index].fill,
         "mapper": report.mapper,
         "nodes": [_node(node, own, program.fabric, scene) for node in graph.nodes],
         "edges": [_edge(edge) for edge in graph.edges],

@@ -2,11 +2,12 @@
 
 In order: `memory` (where arrays lie), `design` (graphs and mappings as text), `tables` (regions,
 launch, reports), `bundle` (the `.vivid` file), `program`, `dataflow` (where each word comes from),
-`drains` (words of a region that a loop before it still needs), `faults` (contradictions in one) and
+`overlaps/` (words that belong to two regions), `faults` (contradictions in one) and
 `reading`, `kept` (in the cache); `words/` (the configuration word), `encoder/` (from mappings to
 words), `disasm`.
 """
 
+from vividc.dfg.regions import loop_behind
 from vividc.machine.params import HIGH_SUFFIX, MAX_DIMENSION, DType, LocalArray, Param, joined
 from vividc.machine.words import WORD_BYTES
 from vividc.program.disasm import disassemble
@@ -64,6 +65,7 @@ __all__ = [
     "from_bytes",
     "joined",
     "load",
+    "loop_behind",
     "pack",
     "pitch_words",
     "pitches_of",

@@ -55,6 +55,8 @@ RETURNING: Final = "vividc.program/5"
 """Of a program that returns arrays or tuples: a reader of before would ask for them."""
 DRAINING: Final = "vividc.program/6"
 """Of a program with regions that begin while loops end: a reader of before would run neither."""
+FILLING: Final = "vividc.program/7"
+"""Of a program with loops that begin while regions end: a reader of before would run neither."""
 _MANIFEST: Final = "program.json"
 _ARRAYS: Final = ("words", "images", "images_set")
 _EPOCH: Final = (1980, 1, 1, 0, 0, 0)
@@ -160,9 +162,9 @@ class BundleReader:
         text = self._member(_MANIFEST)
         demand_few_values(text, BUNDLE_BYTES, self.path, BundleError)
         schema = _schema(text)
-        if schema not in (SCHEMA, SIZED, NESTED, RETURNING, DRAINING):
+        if schema not in (SCHEMA, SIZED, NESTED, RETURNING, DRAINING, FILLING):
             raise BundleError(
-                f"schema {quoted(schema)}, and this version reads {SCHEMA!r} to {DRAINING!r}",
+                f"schema {quoted(schema)}, and this version reads {SCHEMA!r} to {FILLING!r}",
                 hint="compile the kernel again with this version",
             )
         return _ADAPTER.validate_json(text, strict=True)

@@ -156,7 +156,7 @@ def trace(program: Program, region: int, contexts: Sequence[Sequence[Entry]]) ->
     Parameters
     ----------
     contexts
-        Its own entries, without what is left of a loop before it.
+        Its own entries, without what they hold of loops before and behind it.
     """
     try:
         return _Tracer(program, region, contexts).flow()

@@ -51,8 +51,8 @@ def _header(index: int, name: str, row: RegionRow) -> str:
     size = f"length {row.ii}"
     if row.kind == "loop":
         size = f"II {row.ii}, span {row.span}, {row.stages} stages"
-        if row.drain:
-            after += f" in its last {row.drain} cycles"
+    if row.drain or row.fill:
+        after += f" in its last {row.drain or row.fill} cycles"
     return f"region {index} {name}: {kind}, {size}, then {after}"
 
 

@@ -198,5 +198,7 @@ def _row_faults(index: int, row: RegionRow, contexts: int, rows: int) -> Iterato
         yield f"region {index} has an impossible span"
     if any(not 0 <= target < rows for target in targets):
         yield f"region {index} continues at a region that does not exist"
+    if not (0 <= row.drain <= row.span and 0 <= row.fill <= row.ii):
+        yield f"region {index} overlaps others for longer than it takes"
     if row.kind == "loop" and not (row.counted or row.has_exit):
         yield f"region {index} never ends"

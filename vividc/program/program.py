@@ -20,6 +20,7 @@ from vividc.machine.params import DType, LocalArray, Param, given
 from vividc.machine.product import Products
 from vividc.program.bundle import (
     DRAINING,
+    FILLING,
     NESTED,
     RETURNING,
     SCHEMA,
@@ -249,6 +250,8 @@ def _manifest(program: Program) -> Manifest:
 
 def _schema(program: Program) -> str:
     """The oldest whose readers understand all of it."""
+    if any(row.fill for row in program.table):
+        return FILLING
     if any(row.drain for row in program.table):
         return DRAINING
     if program.results is not None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from vividc.dfg import DFG
+from vividc.dfg.regions import least_trips
 from vividc.errors import BundleError, SourceLoc
 from vividc.mapper.bounds.refutations import ASSUMED, IF_THEY_MEET, rests_on_assumed
 from vividc.mapper.mapping import Mapping
@@ -34,7 +35,10 @@ class RegionRow:
         is no branch.
     drain
         Of a counted loop: cycles before its end in which the row behind it begins, whose words hold
-        what is left of the loop (see `drains`).
+        what is left of the loop (see `overlaps`).
+    fill
+        Of a straight region: cycles before its end in which the loop behind it begins, if that has
+        as many iterations as `least_trips` says; its words hold what the loop does then.
     """
 
     kind: RegionKind
@@ -47,6 +51,18 @@ class RegionRow:
     next: int | None
     branch: int | None
     drain: int = 0
+    fill: int = 0
+
+    @property
+    def counts_alone(self) -> bool:
+        """Whether it is a counted loop without an exit."""
+        return self.kind == "loop" and self.counted and not self.has_exit
+
+    def least_trips(self, fill: int) -> int:
+        """Iterations with which the loop does not end before a region does in whose last `fill`
+        cycles it begins.
+        """
+        return least_trips(fill, self.ii, self.span, self.drain)
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ import vividc
 from vividc import arch
 from vividc.arch.fabric import Fabric
 from vividc.compiler.driver import lower
-from vividc.compiler.regions import map_regions, map_straight
+from vividc.compiler.regions import map_regions, one_straight
 from vividc.compiler.regions.earlier import Earlier, posed
 from vividc.compiler.regions.map_regions import MapOptions, map_kernel
 from vividc.dfg.alike import names, numbered
@@ -96,7 +96,7 @@ def test_an_equal_kernel_is_mapped_without_a_search(monkeypatch: pytest.MonkeyPa
 
     again: list[str] = []
     monkeypatch.setattr(map_regions, "map_dfg", none)
-    monkeypatch.setattr(map_straight, "list_schedule", scheduled)
+    monkeypatch.setattr(one_straight, "list_schedule", scheduled)
     second = map_kernel(other, fabric, MapOptions(), earlier)
     assert isinstance(first, tuple)
     assert isinstance(second, tuple)

@@ -13,7 +13,7 @@ import vividc
 from vividc import arch
 from vividc.arch.fabric import Fabric
 from vividc.compiler.driver import lower
-from vividc.compiler.regions import map_straight
+from vividc.compiler.regions import one_straight
 from vividc.compiler.regions.earlier import Earlier
 from vividc.compiler.regions.map_regions import MapOptions, map_kernel
 from vividc.dfg.regions import Kernel
@@ -49,7 +49,7 @@ def test_straight_regions_that_leave_no_room_are_scheduled_again(
             raise MappingFailed("no constant store has room")
         return list_schedule(problem, goes_on, frugal=frugal, meets=meets)
 
-    monkeypatch.setattr(map_straight, "list_schedule", crowded)
+    monkeypatch.setattr(one_straight, "list_schedule", crowded)
     program = vividc.compile(sums, loops=vividc.LoopOptions(auto=False))
     frugal = [is_frugal for _, is_frugal in tried]
     assert frugal == sorted(frugal)
@@ -75,7 +75,7 @@ def test_straight_regions_that_were_crowded_are_scheduled_frugally_at_once(
             raise MappingFailed("no constant store has room")
         return list_schedule(problem, goes_on, frugal=frugal, meets=meets)
 
-    monkeypatch.setattr(map_straight, "list_schedule", crowded)
+    monkeypatch.setattr(one_straight, "list_schedule", crowded)
     kernel, fabric, earlier = lower(sums), machine(32), Earlier()
     first = map_kernel(kernel, fabric, MapOptions(), earlier)
     assert tried[:2] == [False, True]

@@ -76,6 +76,9 @@ def _changed_row(row: RegionRow, rows: int, random: Random) -> RegionRow:
         return replace(row, counted=not row.counted)
     if kind == 3 and row.drain:
         return replace(row, drain=max(0, row.drain + random.randrange(-2, 3)))
+    if kind == 4 and row.fill:
+        changed = {"fill": random.randrange(-2, 3), "stages": random.randrange(-2, 2)}
+        return replace(row, **{n: max(0, getattr(row, n) + by) for n, by in changed.items()})
     if kind == 2:
         return replace(row, next=random.choice([None, *range(rows)]))
     return row

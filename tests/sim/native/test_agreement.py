@@ -12,14 +12,16 @@ from hypothesis import given, settings
 import vividc
 from tests.program.hand_kernels import choose, dot, fabric, find, pairs, positive, saxpy
 from tests.program.test_drains import rows
+from tests.program.test_fills import arguments, tails
 from tests.programs import WORDS, programs
 from tests.sim.native.agreement import assert_engines_agree, launch
 from tests.sim.native.mutations import field_of, mutated, with_field
 from tests.sim.test_against_interpreter import FABRICS, compiled
+from vividc.dfg.regions import loop_behind
 from vividc.errors import BundleError
 from vividc.machine.opcodes import MEMORY
 from vividc.program import Program
-from vividc.program.drains import sound_parts
+from vividc.program.overlaps.parts import sound_parts
 from vividc.program.words.entry import Use
 from vividc.sim import Launch
 from vividc.sim.native.write import loop
@@ -197,6 +199,35 @@ def test_changed_words_of_a_region_that_begins_early() -> None:
     """Most of them contradict the loop, and are refused; what is not runs the same on both."""
     possible = assert_drained_mutants_agree(1, 150)
     assert 20 < possible < 130
+
+
+def assert_filled_mutants_agree(seed: int, count: int) -> int:
+    """As above, of a program whose loop begins while the region before it ends."""
+    random, possible = Random(seed), 0
+    program = vividc.compile(tails, fabric="vivid-tile", loops=vividc.LoopOptions(auto=False))
+    given_launch = launch(program, *arguments((2, 0, 9, 1, 3)), cycle_limit=2000)
+    index = max(index for index, row in enumerate(program.table) if row.fill)
+    loop = loop_behind(program.table, index)
+    assert loop is not None
+    rows_ = (program.table[index], program.table[loop])
+    contexts = [at for row in rows_ for at in range(row.context, row.context + row.ii)]
+    for _ in range(count):
+        mutant = mutated(program, random, contexts)
+        if _is_possible(mutant):
+            assert_engines_agree(mutant, given_launch)
+            possible += 1
+    return possible
+
+
+def test_changed_words_of_a_loop_that_begins_early() -> None:
+    possible = assert_filled_mutants_agree(1, 150)
+    assert 20 < possible < 140
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2, 8))
+def test_many_changed_words_of_a_loop_that_begins_early(seed: int) -> None:
+    assert_filled_mutants_agree(seed, 3_000)
 
 
 @pytest.mark.slow

@@ -20,7 +20,7 @@ from vividc.compiler.advice.search import Searched, longer_search
 from vividc.compiler.driver import CompileOptions, checked, parallel_lines
 from vividc.compiler.planning.options import LoopOptions
 from vividc.compiler.planning.plan import Plan
-from vividc.compiler.regions.map_straight import Progress
+from vividc.compiler.regions.one_straight import Progress
 from vividc.errors import SourceLoc, TimeLimit, VividcError, warn
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.frontend.like import Like

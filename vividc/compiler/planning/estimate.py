@@ -14,7 +14,7 @@ from vividc.dfg.check import check
 from vividc.dfg.cut.build import Cut, build_kernel
 from vividc.dfg.ir import DFG
 from vividc.dfg.pipeline import PassOptions, optimize, optimize_kernel, pipeline
-from vividc.dfg.regions import Kernel, Region, loops_before
+from vividc.dfg.regions import Kernel, Region, least_trips, loop_behind, loops_before, runs_into
 from vividc.errors import SourceLoc
 from vividc.host import time_limit
 from vividc.host.watch import is_watched
@@ -55,7 +55,8 @@ class Shape:
     `ii` of a straight region is its length, as is `span`. `stalls`: cycles of an iteration in which
     accesses are expected to meet in a bank. `entries`: of constant stores, that the accesses of a
     loop need at least. `drain`: of a mapped loop, cycles before its end in which the region behind
-    it begins; None: not known yet.
+    it begins; None: not known yet. `fill`: of a mapped straight region, cycles before its end in
+    which the loop behind it begins.
     """
 
     ii: int
@@ -65,6 +66,7 @@ class Shape:
     stalls: float = 0.0
     entries: int = 0
     drain: int | None = None
+    fill: int = 0
 
     @property
     def is_possible(self) -> bool:
@@ -74,8 +76,8 @@ class Shape:
 
 @dataclass(frozen=True, slots=True)
 class RegionCost:
-    """A region's share: `runs` times entered, with `trips` iterations each time. A loop ends
-    `early` before its span is over, at most `earliest`: the region behind it has begun, and nothing
+    """A region's share: `runs` times entered, with `trips` iterations each time. It ends `early`
+    before its span is over, a loop at most `earliest`: the region behind it has begun, and nothing
     passes between the two.
     """
 
@@ -259,10 +261,10 @@ class Estimator:
         most: bool = False,
     ) -> Estimate:
         """The cycles of a normalised function's regions if they have these shapes; `most`: if each
-        begins as early under the end of a loop as it may.
+        begins as early under the end of the one before as it may.
         """
         costs = _costs(function, kernel.regions, shapes, hints)
-        costs = self._with_drains(costs, kernel, most)
+        costs = self._with_fills(self._with_drains(costs, kernel, most), kernel, most)
         switches = sum(cost.runs for cost in costs) * self.fabric.controller.switch_cycles
         total = sum(cost.cycles for cost in costs) + switches
         estimate = Estimate(total, costs)
@@ -286,6 +288,27 @@ class Estimator:
             if earliest > 0 and shape.is_possible:
                 early, earliest = early + switch, earliest + switch
                 made[loop] = replace(costs[loop], early=early, earliest=earliest)
+        return tuple(made)
+
+    def _with_fills(
+        self, costs: tuple[RegionCost, ...], kernel: Kernel, most: bool
+    ) -> tuple[RegionCost, ...]:
+        """Loops begin before the regions before them have ended, if they have so many iterations
+        that they end later, and that saves the switch, too.
+        """
+        made, runs = list(costs), [cost.runs for cost in costs]
+        for index, cost in enumerate(costs):
+            loop = loop_behind(kernel.regions, index) if cost.shape.fill or most else None
+            if loop is None or not self.fabric.is_plain:
+                continue
+            behind, fill = costs[loop].shape, cost.shape.fill
+            if most and not fill and behind.is_possible:
+                fill = min(cost.shape.ii, behind.span)
+            least = least_trips(fill, behind.ii, behind.span, behind.drain or 0)
+            if costs[loop].trips >= least:
+                share = runs_into(kernel.regions, index, loop, runs) / (cost.runs or 1.0)
+                early = share * (fill + self.fabric.controller.switch_cycles)
+                made[index] = replace(cost, early=early)
         return tuple(made)
 
     def iterations(

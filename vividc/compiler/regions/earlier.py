@@ -58,7 +58,8 @@ def posed(problem: MapProblem) -> Hashable:
     )
     allowed = tuple(sorted(problem.allowed.items()))
     drain = None if problem.drain is None else problem.drain.renamed(known)
-    return numbered(dfg, every), tuple(held), allowed, drain
+    fill = None if problem.fill is None else problem.fill.renamed(known)
+    return numbered(dfg, every), tuple(held), allowed, drain, fill
 
 
 def straight_key(meets: Meets, frugal: bool) -> Hashable:

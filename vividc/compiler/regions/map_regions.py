@@ -12,13 +12,12 @@ from vividc.arch.fabric import Fabric
 from vividc.compiler.regions.earlier import Earlier, posed
 from vividc.compiler.regions.map_again import Runs, with_fewer_cycles
 from vividc.compiler.regions.map_straight import (
-    NODE_S,
     IsLost,
     Mapped,
-    Progress,
     Straight,
     spans_of,
 )
+from vividc.compiler.regions.one_straight import NODE_S, Progress
 from vividc.compiler.regions.shared_variables import with_shared_variables
 from vividc.compiler.regions.stores import Stores
 from vividc.dfg.alike import unnamed

@@ -48,6 +48,11 @@ def end_after_start(fabric: Fabric, node: Node) -> int:
     return max(latency, fabric.latency(node) + fabric.controller.control_latency)
 
 
+def end_in(problem: MapProblem, node: Node) -> int:
+    """As `end_after_start`, with what the loop behind the region needs when it begins."""
+    return max(end_after_start(problem.fabric, node), problem.tail(node))
+
+
 class Heights:
     """Longest paths from each node's issue to the end of the region, forced hops included.
 
@@ -69,7 +74,7 @@ class Heights:
         self._after: dict[int, list[int]] = {}
         for node in reversed(self.order):
             after = self._after[node] = self._heights(node)
-            own = end_after_start(problem.fabric, problem.dfg.by_id[node])
+            own = end_in(problem, problem.dfg.by_id[node])
             self.of[node] = min((after[pe] for pe in self._candidates[node]), default=own)
 
     def after(self, node: int) -> list[int]:
@@ -87,7 +92,7 @@ class Heights:
     def _heights(self, node: int) -> list[int]:
         """Heights of `node` on each PE."""
         fabric = self._problem.fabric
-        anywhere = end_after_start(fabric, self._problem.dfg.by_id[node])
+        anywhere = end_in(self._problem, self._problem.dfg.by_id[node])
         rows: list[list[int]] = []
         for edge in self._problem.dfg.out_edges[node]:
             below, separations = self.of[edge.dst], self._separations(edge)

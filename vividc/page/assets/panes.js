@@ -19,7 +19,8 @@ function showRegions() {
     const facts = make("span", { class: "facts" },
       make("b", { text: what }), make("span", { class: `proof ${one.status}`, text: proof }));
     const where = one.line === null ? "" : `line ${one.line}, `;
-    const early = one.drain ? `, ${one.drain} cycles beside the next region` : "";
+    const beside = one.drain || one.fill;
+    const early = beside ? `, ${beside} cycles beside the next region` : "";
     const more = make("span", { class: "note", text: `${one.kind}, ${where}${one.operations} operations${early}` });
     const bar = spent === null ? null : make("span", { class: "share", title: `${percent(spent)} of the run's cycles` },
       make("i", { style: `width:${100 * spent}%` }));

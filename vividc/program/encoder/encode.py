@@ -15,18 +15,18 @@ from numpy.typing import NDArray
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import Control
-from vividc.dfg.regions import Kernel, Region
+from vividc.dfg.regions import Kernel, Region, loop_behind
 from vividc.errors import InternalError, KernelError
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.resources.banks import words_of
 from vividc.mapper.resources.fu_slots import utilization
 from vividc.mapper.result import MapResult
 from vividc.program.design import design_text
-from vividc.program.drains import parts
 from vividc.program.encoder.banks import choose_layout, traffic_of
 from vividc.program.encoder.checks import check_region, control_node, span_of, stages_of
 from vividc.program.encoder.constants import ConstantStores, allocate, return_high, return_home
-from vividc.program.encoder.lower import LoweredRegion, Rest, lower_region
+from vividc.program.encoder.lower import Ahead, LoweredRegion, Rest, lower_region
+from vividc.program.overlaps.parts import parts
 from vividc.program.program import Program
 from vividc.program.tables import (
     BoundReport,
@@ -152,14 +152,21 @@ def _lowered(
     layout: WordLayout,
     index: int,
 ) -> LoweredRegion:
-    """A region, with what is left of a loop before it."""
-    lower = partial(lower_region, fabric=fabric, stores=stores, layout=layout)
-    rest = None
-    for number, row in enumerate(table):
-        if row.drain and row.next == index:
-            loop = lower(number, kernel.regions[number], mappings[number])
-            rest = Rest(loop, row.span - row.drain, row.drain)
-    return lower(index, kernel.regions[index], mappings[index], rest=rest)
+    """A region, with what is left of a loop before it and what one behind it begins with."""
+
+    def lower(number: int, beside: Sequence[Rest | Ahead] = ()) -> LoweredRegion:
+        region, mapping = kernel.regions[number], mappings[number]
+        return lower_region(number, region, mapping, fabric, stores, layout, beside)
+
+    beside: list[Rest | Ahead] = [
+        Rest(lower(number), row.span - row.drain, row.drain)
+        for number, row in enumerate(table)
+        if row.drain and row.next == index
+    ]
+    fill, behind = table[index].fill, loop_behind(table, index)
+    if fill and behind is not None:
+        beside.append(Ahead(lower(behind), fill, table[index].stages - 1))
+    return lower(index, beside)
 
 
 def _mapping(index: int, region: Region, mappings: ReadOnly[int, Mapping]) -> Mapping:
@@ -189,6 +196,7 @@ def _table(
                 next=region.next,
                 branch=region.branch,
                 drain=region.drain,
+                fill=region.fill,
             )
         )
         context += mapping.ii
@@ -198,6 +206,11 @@ def _table(
             left = max(times) - (row.span - row.drain)
             stages = left // row.ii + 2 if left >= 0 else 1
             rows[row.next] = replace(rows[row.next], stages=stages)
+    for index, row in enumerate(rows):
+        behind = loop_behind(rows, index) if row.fill else None
+        if behind is not None:
+            begun = -(-row.fill // rows[behind].ii)
+            rows[index] = replace(row, stages=row.stages + begun)
     return tuple(rows)
 
 

@@ -7,6 +7,7 @@ an operation that completes too late all raise `InternalError`.
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Callable, Sequence
 from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass, field, replace
 from typing import Literal
@@ -41,6 +42,11 @@ _USES = {
 }
 
 
+def _words(issue: Issue) -> tuple[Operand, ...]:
+    """The operands, predicate last."""
+    return (*issue.operands, issue.predicate)
+
+
 def _passes_on(previous: Step | None, step: Step) -> bool:
     """The word takes both links in one cycle."""
     if previous is None or step.time != previous.time:
@@ -55,6 +61,17 @@ class Rest:
     loop: LoweredRegion
     begin: int
     cycles: int
+
+
+@dataclass(frozen=True)
+class Ahead:
+    """What a loop does in its first so many cycles, those of its iterations that there are: the
+    first one is of stage `stage`.
+    """
+
+    loop: LoweredRegion
+    cycles: int
+    stage: int
 
 
 @dataclass(frozen=True)
@@ -76,14 +93,14 @@ def lower_region(
     fabric: Fabric,
     stores: ConstantStores,
     layout: WordLayout,
-    rest: Rest | None = None,
+    beside: Sequence[Rest | Ahead] = (),
 ) -> LoweredRegion:
     """Lower region `index` of a kernel, whose schedule has passed `check_region`.
 
     Parameters
     ----------
-    rest
-        What its words hold of the loop before it.
+    beside
+        What its words hold of the loops before and behind it.
 
     Raises
     ------
@@ -93,8 +110,11 @@ def lower_region(
         An address offset or shift does not fit the configuration word.
     """
     lowering = _Lowering(index, region, mapping, fabric, stores)
-    if rest is not None:
-        lowering.begin_with(rest)
+    for one in beside:
+        if isinstance(one, Rest):
+            lowering.begin_with(one)
+        else:
+            lowering.end_with(one)
     for edge_index, edge in region.dfg.routed_edges():
         lowering.route(edge_index, edge)
     for node in region.dfg.placed:
@@ -139,32 +159,30 @@ class _Cell:
         if self.writes.setdefault(register, select) != select:
             raise InternalError(f"{self.where}: two sources for register {register}")
 
-    def take(self, other: _Cell, pe: int, begun: int, ii: int) -> None:
-        """Take what a loop's cell holds of iterations that began so many cycles ago, and before:
-        `begun` is of the last one.
+    def take(self, other: _Cell, pe: int, stage_at: Callable[[int], int | None]) -> None:
+        """Take what a loop's cell holds of some iterations: `stage_at` tells the stage by the
+        cycle of the iteration in which it happens, None where the iteration is not among them.
         """
 
         def moved(select: Select) -> Select:
             return self.read(other.reads[select.index]) if select.kind is Sel.RF else select
 
-        def operand(one: Operand) -> Operand:
-            return replace(one, select=moved(one.select))
-
-        if (issue := other.issue) is not None and (time := other.times["issue", pe]) >= begun:
-            a, b, c = map(operand, issue.operands)
-            predicate = operand(issue.predicate)
-            stage = (time - begun) // ii + 1
-            self.issue = replace(issue, operands=(a, b, c), predicate=predicate, stage=stage)
-        if (capture := other.capture) and (time := other.times["capture", pe]) >= begun:
-            stage = (time - begun) // ii + 1
-            self.capture = replace(capture, select=moved(capture.select), stage=stage)
-        for link, select in other.links.items():
-            if other.times["link", link] >= begun:
-                self.drive(link, moved(select), 0)
-        for register, select in other.writes.items():
-            if other.times["reg", register] >= begun:
-                self.write(register, moved(select), 0)
-        if other.completes is not None and other.times["completes", pe] >= begun:
+        at = {kind: stage_at(time) for kind, time in other.times.items()}
+        stages = {kind: stage for kind, stage in at.items() if stage is not None}
+        if other.issue is not None and ("issue", pe) in stages:
+            operands = (replace(one, select=moved(one.select)) for one in _words(other.issue))
+            a, b, c, predicate = operands
+            self.issue = replace(
+                other.issue, operands=(a, b, c), predicate=predicate, stage=stages["issue", pe]
+            )
+        if other.capture is not None and ("capture", pe) in stages:
+            select, stage = moved(other.capture.select), stages["capture", pe]
+            self.capture = replace(other.capture, select=select, stage=stage)
+        for link in [link for link in other.links if ("link", link) in stages]:
+            self.drive(link, moved(other.links[link]), 0)
+        for register in [one for one in other.writes if ("reg", one) in stages]:
+            self.write(register, moved(other.writes[register]), 0)
+        if ("completes", pe) in stages:
             self.completes = other.completes
 
     def entry(self, layout: WordLayout) -> Entry:
@@ -182,7 +200,12 @@ class _Lowering:
     """Fills the cells of one region."""
 
     def __init__(
-        self, index: int, region: Region, mapping: Mapping, fabric: Fabric, stores: ConstantStores
+        self,
+        index: int,
+        region: Region,
+        mapping: Mapping,
+        fabric: Fabric,
+        stores: ConstantStores,
     ) -> None:
         self._index = index
         self._region = region
@@ -209,12 +232,30 @@ class _Lowering:
 
     def begin_with(self, rest: Rest) -> None:
         """The first cells hold what is left of a loop."""
+        ii = rest.loop.ii
+
+        def stage_at(time: int) -> int | None:
+            return (time - now) // ii + 1 if time >= now else None
+
         for cycle in range(rest.cycles):
+            now = rest.begin + cycle
             for pe in range(len(self._fabric.pes)):
-                begun = rest.begin + cycle
-                cell = rest.loop.cells.get((begun % rest.loop.ii, pe))
+                cell = rest.loop.cells.get((now % ii, pe))
                 if cell is not None:
-                    self._cell(pe, cycle).take(cell, pe, begun, rest.loop.ii)
+                    self._cell(pe, cycle).take(cell, pe, stage_at)
+
+    def end_with(self, ahead: Ahead) -> None:
+        """The last cells hold what a loop begins with; its first iteration has the last stage."""
+        ii, begin = ahead.loop.ii, self._mapping.ii - ahead.cycles
+
+        def stage_at(time: int) -> int | None:
+            return ahead.stage - (now - time) // ii if time <= now else None
+
+        for now in range(ahead.cycles):
+            for pe in range(len(self._fabric.pes)):
+                cell = ahead.loop.cells.get((now % ii, pe))
+                if cell is not None:
+                    self._cell(pe, begin + now).take(cell, pe, stage_at)
 
     def route(self, edge_index: int, edge: Edge) -> None:
         """Drive the links and write the registers of one edge's route."""

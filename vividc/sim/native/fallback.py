@@ -12,9 +12,8 @@ from vividc.sim.engine import Launch
 from vividc.sim.native.plan.counts import Totals
 from vividc.sim.native.plan.layout import BITS, Layout, Place
 from vividc.sim.native.state import MachineState
-from vividc.sim.reference.engine import iterations
 from vividc.sim.reference.predecode import RegionCode, State, StateMap, predecode
-from vividc.sim.reference.region import RegionState
+from vividc.sim.reference.region import RegionState, iterations
 from vividc.sim.reference.tile import Tile
 
 
@@ -46,10 +45,13 @@ class Fallback:
         run.run()
         if run.is_left:
             run.finish()
-        machine.context[Place.OVERLAP] = region.row.drain if run.is_left else 0
+        has_begun = run.begins_next
+        machine.context[Place.OVERLAP] = (
+            region.row.drain if run.is_left else region.row.fill if has_begun else 0
+        )
         following = region.row.branch if run.branch else region.row.next
         switches = 0
-        if following is not None and not run.is_left:
+        if following is not None and not run.is_left and not has_begun:
             switches = self._program.fabric.controller.switch_cycles
             tile.cycle += switches
             tile.check_limit(region.index, tile.cycle)
@@ -99,7 +101,7 @@ class Fallback:
 
 
 def _totals(run: RegionState, overlap: int) -> Totals:
-    """What a run counted that began so many cycles before the loop before it was over."""
+    """What a run counted that began so many cycles before the region before it was over."""
     issued: Counter[str] = Counter()
     moved = run.activity()
     registers, constants = moved.register_reads, 0

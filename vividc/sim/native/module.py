@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from vividc.program import Program
 from vividc.program.dataflow import RegionFlow, trace
-from vividc.program.drains import sound_parts
+from vividc.program.overlaps.parts import sound_parts
 from vividc.sim.native.bulk import write as bulk
 from vividc.sim.native.bulk.tables import BulkTables, bulk_tables
 from vividc.sim.native.plan.counts import RegionCounts, region_counts
@@ -24,6 +24,7 @@ from vividc.sim.native.plan.layout import Layout, Place, Status, layout
 from vividc.sim.native.plan.schedule import schedule
 from vividc.sim.native.region import ARGUMENTS, region_function
 from vividc.sim.native.write.body import Machine
+from vividc.sim.native.write.frame import Overlap
 from vividc.sim.native.write.operations import DECLARATIONS
 from vividc.sim.native.write.text import Code
 
@@ -87,8 +88,9 @@ def module_text(program: Program, planned: Plan) -> str:
     ):
         classes = () if counts is None else counts.classes
         placed = None if tables is None else (tables, first)
-        early = any(row.drain and row.next == index for row in program.table)
-        regions.append(region_function(index, flow, classes, machine, switch_cycles, early, placed))
+        overlap = Overlap.of(program.table, index)
+        text = region_function(index, flow, classes, machine, switch_cycles, overlap, placed)
+        regions.append(text)
         first += 0 if tables is None else tables.words.size
     return "\n".join([_DECLARATIONS, *regions, _dispatch(len(regions))])
 

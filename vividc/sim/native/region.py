@@ -19,7 +19,7 @@ from vividc.sim.native.plan.layout import BITS, EXTENT_WORDS, Place, Status
 from vividc.sim.native.plan.schedule import Schedule, constants_read, schedule
 from vividc.sim.native.write.body import Body, Key, Machine, Surroundings
 from vividc.sim.native.write.ending import COUNTERS, End, finish
-from vividc.sim.native.write.frame import Frame
+from vividc.sim.native.write.frame import Frame, Overlap
 from vividc.sim.native.write.loop import write_loop
 from vividc.sim.native.write.text import FALSE, TRUE, Code
 
@@ -32,15 +32,15 @@ def region_function(
     classes: Sequence[CountClass],
     machine: Machine,
     switch_cycles: int,
-    begins_early: bool,
+    overlap: Overlap,
     placed: tuple[BulkTables, int] | None = None,
 ) -> str:
     """Text of the function `region{index}`; no flow: one that leaves the region to the reference.
 
     Parameters
     ----------
-    begins_early
-        A loop ends early before it.
+    overlap
+        With regions before it and behind it.
     placed
         The region's tables, and their first word among all, if it runs by tables.
     """
@@ -49,7 +49,7 @@ def region_function(
         code.do(f"ret i32 {Status.IRREGULAR:d}")
     else:
         sums = machine.layout.sums[index]
-        frame = Frame(code, machine, flow, classes, switch_cycles, sums, begins_early)
+        frame = Frame(code, machine, flow, classes, switch_cycles, sums, overlap)
         _write(frame, placed)
     return "\n".join([f"define internal i32 @region{index}({ARGUMENTS}) {{", *code.lines, "}", ""])
 
@@ -58,6 +58,8 @@ def _write(frame: Frame, placed: tuple[BulkTables, int] | None) -> None:
     code, row = frame.code, frame.flow.row
     code.start("entry")
     frame.base = frame.get(Place.CYCLE)
+    if frame.overlap.begins_early:
+        frame.base = code.value(f"sub i64 {frame.base}, {frame.get(Place.OVERLAP)}")
     frame.entries = code.value(f"add i64 {frame.get(Place.ENTRIES)}, 1")
     if row.counted and row.kind == "loop":
         frame.trip = code.value(f"call i64 @llvm.smax.i64(i64 {frame.get(Place.TRIP)}, i64 0)")

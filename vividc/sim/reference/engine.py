@@ -6,21 +6,17 @@ in that idle parts of the machine cost nothing.
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
 from collections.abc import Callable
-from typing import Final
 
 import numpy as np
 
 from vividc.errors import SimulationError
-from vividc.program import Home, Program, RegionRow, joined
+from vividc.program import Home, Program, joined
 from vividc.sim.engine import Activity, Launch, Observer, RegionRun, RegionSpan, Run
 from vividc.sim.reference.predecode import RegionCode, State, StateMap, predecode
-from vividc.sim.reference.region import RegionState
+from vividc.sim.reference.region import RegionState, iterations
 from vividc.sim.reference.tile import Tile, Watch
-
-_UNBOUNDED: Final = sys.maxsize
 
 
 class ReferenceEngine:
@@ -48,17 +44,18 @@ class ReferenceEngine:
         index: int | None = 0
         switches = 0
         left: RegionState | None = None  # a loop of which something is left
+        begun: RegionState | None = None  # one that has begun
 
         def ended(one: RegionState) -> None:
             totals[one.region.index].add(one)
             _tell(launch.observer, one)
 
         while index is not None:
-            done = self._run_region(tile, self._regions[index], left, ended)
-            left = done if done.is_left else None
+            done = self._run_region(tile, self._regions[index], begun, left, ended)
+            left, begun = done if done.is_left else None, done.behind
             row = done.region.row
             index = row.branch if done.branch else row.next
-            if index is not None and left is None:
+            if index is not None and left is None and begun is None:
                 switches += self._program.fabric.controller.switch_cycles
                 tile.cycle += self._program.fabric.controller.switch_cycles
                 tile.check_limit(done.region.index, tile.cycle)
@@ -80,13 +77,15 @@ class ReferenceEngine:
         self,
         tile: Tile,
         region: RegionCode,
+        begun: RegionState | None,
         left: RegionState | None,
         ended: Callable[[RegionState], None],
     ) -> RegionState:
-        if left is None:
+        if left is None and begun is None:
             tile.state[: self._cells.volatile] = [None] * self._cells.volatile
         tile.entries += 1
-        state = RegionState(tile, region, iterations(region.row, tile.trip), left, ended)
+        limit = iterations(region.row, tile.trip)
+        state = begun or RegionState(tile, region, limit, left, ended, self._regions)
         state.run()
         return state
 
@@ -136,13 +135,6 @@ def _written(program: Program, word: int | None) -> int:
             loc=program.provenance.kernel_file or None,
         )
     return word
-
-
-def iterations(row: RegionRow, trip: int) -> int:
-    """Iterations to issue if no exit node stops the region."""
-    if row.kind == "straight":
-        return 1
-    return max(trip, 0) if row.counted else _UNBOUNDED
 
 
 class _Totals:

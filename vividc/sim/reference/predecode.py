@@ -14,8 +14,19 @@ from typing import NamedTuple
 from vividc.arch.fabric import Fabric
 from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
 from vividc.machine.semantics import SEMANTICS
-from vividc.program import Entry, Issue, Operand, Program, RegionRow, Sel, Select, Use
-from vividc.program.drains import Contexts, sound_parts
+from vividc.program import (
+    Entry,
+    Issue,
+    Operand,
+    Program,
+    RegionRow,
+    Sel,
+    Select,
+    Use,
+    loop_behind,
+)
+from vividc.program.overlaps.parts import Parts, sound_parts
+from vividc.program.overlaps.words import Contexts
 from vividc.program.words.wires import driver
 
 _MEMORY_NAMES = frozenset(op.value for op in MEMORY)
@@ -136,6 +147,26 @@ class OpCount:
 
 
 @dataclass(frozen=True, slots=True)
+class Ahead:
+    """What the last words of a straight region hold of the loop behind it.
+
+    Attributes
+    ----------
+    loop, least
+        The loop, by its index, and the fewest iterations with which it begins early.
+    slots
+        By cycles of the loop, stages counted as the straight region's words have them.
+    counters
+        (state cell, stage) of the iteration counters that are read.
+    """
+
+    loop: int
+    least: int
+    slots: tuple[Slot, ...]
+    counters: tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True, slots=True)
 class RegionCode:
     """A region ready to run.
 
@@ -146,6 +177,8 @@ class RegionCode:
     rest, rest_counters
         What the words of the region behind a loop hold of it, by that region's cycles, stages
         counted from the loop's end.
+    ahead
+        Of a loop that begins while it ends; None: none does.
     """
 
     index: int
@@ -155,6 +188,7 @@ class RegionCode:
     counts: tuple[OpCount, ...]
     rest: tuple[Slot, ...]
     rest_counters: tuple[tuple[int, int], ...]
+    ahead: Ahead | None
 
 
 def predecode(program: Program, cells: StateMap) -> tuple[RegionCode, ...]:
@@ -163,19 +197,14 @@ def predecode(program: Program, cells: StateMap) -> tuple[RegionCode, ...]:
     Raises
     ------
     BundleError
-        The words of a region do not fit the loop before it.
+        The words of a region do not fit the loops around it.
     """
     parts = sound_parts(program)
-    return tuple(
-        _region(program, index, cells, own, parts.rests.get(index, []))
-        for index, own in enumerate(parts.own)
-    )
+    return tuple(_region(program, index, cells, parts) for index in range(len(parts.own)))
 
 
-def _region(
-    program: Program, index: int, cells: StateMap, contexts: Contexts, rest: Contexts
-) -> RegionCode:
-    row = program.table[index]
+def _region(program: Program, index: int, cells: StateMap, parts: Parts) -> RegionCode:
+    row, contexts, rest = program.table[index], parts.own[index], parts.rests.get(index, [])
     coder = _Coder(program.fabric, cells, _array_names(program, index))
     driven = [coder.driven(entries) for entries in contexts]
     slots = tuple(
@@ -195,7 +224,22 @@ def _region(
         if entry.issue is not None
     )
     counters, of_rest = (_counters(cells, some) for some in (contexts, rest))
-    return RegionCode(index, row, slots, counters, counts, left, of_rest)
+    ahead = _ahead(program, index, cells, parts) if index in parts.aheads else None
+    return RegionCode(index, row, slots, counters, counts, left, of_rest, ahead)
+
+
+def _ahead(program: Program, index: int, cells: StateMap, parts: Parts) -> Ahead:
+    loop, contexts = loop_behind(program.table, index), parts.aheads[index]
+    assert loop is not None
+    row = program.table[loop]
+    coder = _Coder(program.fabric, cells, _array_names(program, loop))
+    driven = [frozenset[int](), *map(coder.driven, contexts)]
+    slots = tuple(
+        coder.slot(cycle % row.ii, entries, driven[cycle] - driven[cycle + 1])
+        for cycle, entries in enumerate(contexts)
+    )
+    least = row.least_trips(program.table[index].fill)
+    return Ahead(loop, least, slots, _counters(cells, contexts))
 
 
 def _counters(cells: StateMap, contexts: Contexts) -> tuple[tuple[int, int], ...]:

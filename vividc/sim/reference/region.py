@@ -1,31 +1,30 @@
-"""One run of one region on the reference engine: the cycle."""
+"""One run of one region on the reference engine: from cycle to cycle."""
 
 from __future__ import annotations
 
-import sys
-from collections import Counter, deque
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Sequence
 from typing import Final
 
 from vividc.errors import SimulationError
-from vividc.machine.words import WORD_BYTES, WORD_MASK, loaded, stored
-from vividc.program import Use, trapped
+from vividc.machine.words import WORD_MASK
+from vividc.program import RegionRow
 from vividc.sim.engine import Activity
-from vividc.sim.reference.predecode import LiveOut, Moves, Op, RegionCode, Slot
-from vividc.sim.reference.tile import SIGN_BIT, Moment, Role, Tile
+from vividc.sim.reference.cycle import ENDLESS, Cycle
+from vividc.sim.reference.predecode import RegionCode, Slot
+from vividc.sim.reference.tile import Tile
 
-_ENDLESS: Final = sys.maxsize
 _PROGRESS_EVERY: Final = 1 << 13
-_RAISED: Final = "numba raises it, too, for these arguments: check them on the host"
-Completion = tuple[int, int | None]
-"""(PE, word of the result); a store completes with no word."""
-
-_Words = tuple[int | None, ...]
-_Moved = tuple[_Words, _Words, _Words, _Words, list[tuple[int, int]]]
-"""Words for links and registers, each of results and links and then of registers, and live-outs."""
 
 
-class RegionState:
+def iterations(row: RegionRow, trip: int) -> int:
+    """Iterations to issue if no exit node stops the region."""
+    if row.kind == "straight":
+        return 1
+    return max(trip, 0) if row.counted else ENDLESS
+
+
+class RegionState(Cycle):
     """A region under way. Cycles count from its start, without stalls: a stall freezes all.
 
     Parameters
@@ -33,9 +32,12 @@ class RegionState:
     limit
         Iterations to issue, unless an exit node stops them.
     before
-        The loop whose last iterations are still under way; its words are among the region's.
+        The region that is still under way when this one begins: a loop whose last iterations are
+        among the region's words, or the straight region whose words a loop's first ones are among.
     ended
         Told of that loop when it has ended.
+    regions
+        All of the program, of which one may begin before this one has ended; none: none does.
     """
 
     def __init__(
@@ -45,33 +47,20 @@ class RegionState:
         limit: int,
         before: RegionState | None = None,
         ended: Callable[[RegionState], None] = lambda _: None,
+        regions: Sequence[RegionCode] = (),
     ) -> None:
-        self._tile = tile
-        self._region = region
-        self.cycle = 0
-        self.stalls = 0
-        self.branch = False
-        self._start = tile.cycle
-        self._before, self._ended = before, ended
-        self._held_up = 0 if before is None else before.stalls  # of them, until this one began
+        super().__init__(tile, region, limit, before)
+        row = None if before is None else before.region.row
+        self._shared = 0 if row is None else row.drain or row.fill
+        self._drained = before
+        self._looked_at = (0, 0)  # cycle and stalls where the contexts began anew
+        self._ended, self._regions = ended, regions
         self._rest = deque(() if before is None else before.region.rest)
-        self._counted: Counter[str] = Counter()
-        row = region.row
-        self._state = tile.state
         self._trip = limit
-        self._limit = limit  # iterations from this one on are dead
-        self._resolved = -1 if row.has_exit else _ENDLESS  # last iteration known to go on or end
-        self._exits: deque[tuple[int, int, bool]] = deque()  # (acts at, iteration, ends the loop)
-        self._exited = -1  # the iteration that ended the loop
         self._exited_at = 0
-        self._misses: list[tuple[int, bool, SimulationError]] = []  # of loads that may not count
-        self._anywhere = (0, WORD_BYTES * len(tile.memory))
-        latencies = tile.program.fabric.latencies.values()
-        self._ring: list[list[Completion]] = [[] for _ in range(max(latencies))]
-        self._outputs: list[Completion] = []  # what is in the output registers in this cycle
-        self._completed = [-1] * len(tile.program.fabric.pes)  # cycle of the last completion
-        self._end = _ENDLESS
+        self._end = ENDLESS
         self._set_end()
+        self.behind: RegionState | None = None  # a loop that has begun
 
     @property
     def region(self) -> RegionCode:
@@ -84,23 +73,22 @@ class RegionState:
         return self._limit
 
     @property
-    def now(self) -> int:
-        """Cycles since the launch, those included in which the loop before stood still."""
-        stalls = self.stalls
-        if self._before is not None:
-            stalls += self._before.stalls - self._held_up
-        return self._start + self.cycle + stalls
-
-    @property
     def is_left(self) -> bool:
         """Whether it has ended early: the region behind it does what is left."""
         return bool(self._region.rest) and self._limit > 0
 
     @property
+    def begins_next(self) -> bool:
+        """Whether the loop behind it begins while it ends, known once that would be."""
+        ahead, row = self._region.ahead, self._region.row
+        if ahead is None or self._tile.trip < ahead.least:
+            return False
+        return (row.branch if self.branch else row.next) == ahead.loop
+
+    @property
     def cycles(self) -> int:
-        """Cycles of the finished run, without those in which the loop before was under way."""
-        shared = 0 if self._before is None else len(self._before.region.rest)
-        return self.cycle + self.stalls - shared
+        """Cycles of the finished run, without those in which the region before was under way."""
+        return self.cycle + self.stalls - self._shared
 
     def activity(self) -> Activity:
         """Words moved; operands' reads are counted elsewhere."""
@@ -118,6 +106,8 @@ class RegionState:
         """Run to the end, or to where the region behind it begins, and set the tile's time."""
         tile = self._tile
         reported = 0
+        if 0 < self._end <= self.cycle and not (self.is_left and self.cycle % self._region.row.ii):
+            tile.check_limit(self._region.index, self.now)
         while self.cycle < self._end:
             self._contexts()
             if not (self.is_left and self.cycle % self._region.row.ii):
@@ -129,29 +119,33 @@ class RegionState:
             self._resolve()
         self._resolved = self._limit
         self._settle_misses()
+        if self.behind is not None:
+            self._hand_over(self.behind)
         tile.cycle = self.now
 
     def _set_end(self) -> None:
         row = self._region.row
         if self._limit == 0:
             self._end = 0
-        elif self._limit < _ENDLESS:
+        elif self._limit < ENDLESS:
             self._end = (self._limit - 1) * row.ii + row.span - row.drain
 
     def _contexts(self) -> None:
-        """Walk once through the region's contexts: II cycles."""
+        """Walk through the region's contexts, to the last one."""
         region = self._region
-        newest = self.cycle // region.row.ii
+        newest, first = divmod(self.cycle, region.row.ii)
         self._count(region.counters, newest)
-        if self._before is not None:
-            self._before.count_from_end()
-        for slot in region.slots:
+        if self._rest and self._drained is not None:
+            self._drained.count_from_end()
+        for slot in region.slots[first:]:
             if self._exits and self._exits[0][0] == self.cycle:
                 self._resolve()
             if self.cycle >= self._end:
                 return
             if self._rest:
-                self._cycle_of_both(slot)
+                self._cycle_of_drain(slot)
+            elif self._is_filling():
+                self._cycle_of_fill(slot)
             else:
                 self._cycle(slot, newest)
             self.cycle += 1
@@ -159,6 +153,8 @@ class RegionState:
     def _count(self, counters: tuple[tuple[int, int], ...], newest: int) -> None:
         for cell, stage in counters:
             self._state[cell] = newest - stage & WORD_MASK
+
+    # --- a loop's end ---
 
     def count_from_end(self) -> None:
         """What is left of a loop has its iterations counted from the end."""
@@ -179,9 +175,86 @@ class RegionState:
         if is_last or self.cycle % self._region.row.ii == 0:
             self._tile.check_limit(self._region.index, self.now)
 
-    def _look(self, slot: Slot, newest: int, now: int) -> None:
-        assert self._tile.watch is not None
-        self._tile.watch.see(now, self._region, slot, newest, self._limit, self._state)
+    def _cycle_of_drain(self, slot: Slot) -> None:
+        """A cycle in which the loop before is still under way."""
+        before = self._drained
+        assert before is not None
+        left = self._rest.popleft()
+
+        def finish_before() -> None:
+            before._end_cycle(left, before.iterations)
+            self._end_step(before)
+            while self._rest:
+                before._cycle(self._rest.popleft(), before.iterations)
+                self._end_step(before)
+
+        self._both((before, left, before.iterations), (self, slot, 0), finish_before)
+        self._end_step(before)
+
+    def _end_step(self, before: RegionState) -> None:
+        before._step(is_last=not self._rest)
+        if not self._rest:
+            self._ended(before)
+            self.go_on_alone()
+            self._drained = None
+
+    # --- a loop's begin ---
+
+    def _is_filling(self) -> bool:
+        """Whether the loop behind it has begun, which it does now if it may."""
+        ahead, row = self._region.ahead, self._region.row
+        if ahead is None or not self._regions:
+            return False
+        if self.cycle == row.ii - row.fill and self.begins_next:
+            code, regions = self._regions[ahead.loop], self._regions
+            limit = iterations(code.row, self._tile.trip)
+            self.behind = RegionState(self._tile, code, limit, self, self._ended, regions)
+            self._count(ahead.counters, row.stages - 1)
+        return self.behind is not None
+
+    def _cycle_of_fill(self, slot: Slot) -> None:
+        """A cycle in which the loop behind has begun."""
+        behind, region = self.behind, self._region
+        assert behind is not None
+        assert region.ahead is not None
+        ahead, newest = region.ahead.slots[behind.cycle], region.row.stages - 1
+
+        def finish_self() -> None:
+            self._end_cycle(slot, 0)
+            self.cycle += 1
+            for left in region.slots[self.cycle :]:
+                self._cycle(left, 0)
+                self.cycle += 1
+            self._tile.check_limit(region.index, self.now)
+            behind._check_limit_then()
+
+        self._both((self, slot, 0), (behind, ahead, newest), finish_self)
+        behind.cycle += 1
+        if behind.cycle % behind.region.row.ii == 0:
+            behind._looked_at = behind.cycle, behind.stalls
+
+    def _check_limit_then(self) -> None:
+        """The limit where the contexts last began anew, which was in the region before."""
+        cycle, stalls = self._looked_at
+        if cycle:
+            now = self.now - (self.cycle - cycle) - (self.stalls - stalls)
+            self._tile.check_limit(self._region.index, now)
+
+    def _hand_over(self, behind: RegionState) -> None:
+        """Of links, registers and output registers, the loop behind finds what it put there."""
+        ahead, cells = self._region.ahead, self._tile.cells
+        assert ahead is not None
+        kept = {cells.out_base + pe for pe, _ in behind._outputs}
+        for slot in ahead.slots:
+            kept.update(slot.writes.targets, slot.writes_from_registers.targets)
+        kept.update(ahead.slots[-1].links.targets, ahead.slots[-1].links_from_registers.targets)
+        for cell in set(range(cells.volatile)) - kept:
+            self._state[cell] = None
+        behind._check_limit_then()
+        behind.go_on_alone()
+        behind._drained = None
+
+    # --- a cycle ---
 
     def _resolve(self) -> None:
         """An exit node's result acts: later iterations are dead from now on, or it goes on."""
@@ -197,16 +270,9 @@ class RegionState:
         if self._misses:
             self._settle_misses()
 
-    def _settle_misses(self) -> None:
-        """Raise the first miss of a load that does count, forget those that do not."""
-        open_ones = []
-        for iteration, unless_exit, error in self._misses:
-            if iteration >= self._limit or (unless_exit and iteration == self._exited):
-                continue
-            if iteration - (not unless_exit) <= self._resolved:
-                raise error
-            open_ones.append((iteration, unless_exit, error))
-        self._misses = open_ones
+    def _look(self, slot: Slot, newest: int, now: int) -> None:
+        assert self._tile.watch is not None
+        self._tile.watch.see(now, self._region, slot, newest, self._limit, self._state)
 
     def _cycle(self, slot: Slot, newest: int) -> None:
         if self._tile.watch is not None:
@@ -222,279 +288,40 @@ class RegionState:
         self._clear_outputs()
         self._set_outputs(done)
 
-    def _cycle_of_both(self, slot: Slot) -> None:
-        """A cycle in which the loop before is still under way: each step of it for both."""
-        before = self._before
-        assert before is not None
-        left = self._rest.popleft()
-        pairs = ((before, left, before.iterations), (self, slot, 0))
+    def _both(
+        self,
+        first: tuple[RegionState, Slot, int],
+        second: tuple[RegionState, Slot, int],
+        finish_first: Callable[[], None],
+    ) -> None:
+        """A cycle in which two are under way: each step of it for both.
+
+        `finish_first`: the first goes on to its end, as its fault comes first if it has one, when
+        the second has failed. That fails again, by the same words, at the time that it is by then.
+        """
+        pairs = (first, second)
         if self._tile.watch is not None:
-            for one, context, newest in pairs:
-                one._look(context, newest, self.now)
-        before._work(left, before.iterations)
+            now = max(one.now for one, *_ in pairs)
+            for one, slot, newest in pairs if second[0] is self else pairs[::-1]:
+                one._look(slot, newest, now)
+        one, slot, newest = first
+        one._work(slot, newest)
+        one, slot, newest = second
         try:
-            self._work(slot, 0)
+            one._work(slot, newest)
         except SimulationError:
-            self._fail_after(before, left)
-            self._work(slot, 0)
+            words = self._state[: self._tile.cells.volatile]
+            finish_first()
+            self._state[: self._tile.cells.volatile] = words
+            one._work(slot, newest)
             raise
         done = [one._completions() for one, *_ in pairs]
-        moved = [one._moved(context, newest) for one, context, newest in pairs]
-        for one, context, _ in pairs:
-            one._fade(context)
-        for (one, context, _), words in zip(pairs, moved, strict=True):
-            one._write(context, words)
+        moved = [one._moved(slot, newest) for one, slot, newest in pairs]
+        for one, slot, _ in pairs:
+            one._fade(slot)
+        for (one, slot, _), words_of in zip(pairs, moved, strict=True):
+            one._write(slot, words_of)
         for one, *_ in pairs:
             one._clear_outputs()
         for (one, *_), results in zip(pairs, done, strict=True):
             one._set_outputs(results)
-        self._end_step(before)
-
-    def _end_step(self, before: RegionState) -> None:
-        before._step(is_last=not self._rest)
-        if not self._rest:
-            self._ended(before)
-
-    def _fail_after(self, before: RegionState, slot: Slot) -> None:
-        """The loop before goes on to its end, as its fault comes first if it has one: then the
-        region fails again, by the same words, at the time that it is by then.
-        """
-        words = self._state[: self._tile.cells.volatile]
-        before._end_cycle(slot, before.iterations)
-        self._end_step(before)
-        while self._rest:
-            before._cycle(self._rest.popleft(), before.iterations)
-            self._end_step(before)
-        self._state[: self._tile.cells.volatile] = words
-
-    def _work(self, slot: Slot, newest: int) -> None:
-        if slot.alu:
-            self._issue(slot.alu, newest)
-        if slot.control:
-            self._issue_control(slot.control, newest)
-        if slot.loads or slot.stores:
-            self._access(slot, newest)
-
-    def _issue(self, ops: tuple[Op, ...], newest: int) -> None:
-        state, ring, limit, cycle = self._state, self._ring, self._limit, self.cycle
-        size = len(ring)
-        for op in ops:
-            stage, delay, pe, function, fetch, fetch_first, *_ = op
-            iteration = newest - stage
-            if not 0 <= iteration < limit:
-                continue
-            words = fetch(state) if iteration else fetch_first(state)
-            if None in words:
-                raise self._nothing_read(pe, "issue")
-            ring[(cycle + delay) % size].append((pe, function(*words)))
-
-    def _issue_control(self, ops: tuple[Op, ...], newest: int) -> None:
-        for op in ops:
-            words = self._operands(op, newest)
-            if words is not None:
-                word = op.function(*words)
-                self._complete(op, word)
-                self._inform_controller(op, newest, word)
-
-    def _operands(self, op: Op, newest: int) -> tuple[int, ...] | None:
-        """Words of a live operation, None if its iteration is not live."""
-        iteration = newest - op.stage
-        if not 0 <= iteration < self._limit:
-            return None
-        words = (op.fetch if iteration else op.fetch_first)(self._state)
-        if None in words:
-            raise self._nothing_read(op.pe, "issue")
-        return words  # type: ignore[return-value]  # the line above leaves ints only
-
-    def _complete(self, op: Op, word: int | None) -> None:
-        """Let `word` complete after the operation's latency."""
-        ring = self._ring
-        ring[(self.cycle + op.delay) % len(ring)].append((op.pe, word))
-
-    def _inform_controller(self, op: Op, newest: int, word: int) -> None:
-        use = op.issue.use
-        if use is Use.EXIT:
-            latency = op.delay + 1 + self._tile.program.fabric.controller.control_latency
-            self._exits.append((self.cycle + latency, newest - op.stage, word == 1))
-        elif use is Use.BRANCH:
-            self.branch = word == 1
-        else:
-            self._tile.trip = word - ((word & SIGN_BIT) << 1)
-
-    def _access(self, slot: Slot, newest: int) -> None:
-        """Loads see the scratchpad as before this cycle; of two stores the higher PE wins."""
-        touched = self._load(slot.loads, newest) if slot.loads else []
-        written = self._store(slot.stores, newest) if slot.stores else []
-        self._counted["scratchpad_reads"] += len(touched)
-        self._counted["scratchpad_writes"] += len(written)
-        memory = self._tile.memory
-        for address, word, width in written:
-            cell = address // WORD_BYTES
-            memory[cell] = stored(memory[cell], word, address, width)
-            touched.append(cell)
-        if self._tile.watch is not None:
-            self._tile.watch.touch(touched)
-        if len(touched) > 1:
-            self._stall(touched)
-
-    def _load(self, ops: tuple[Op, ...], newest: int) -> list[int]:
-        """Issue the loads of a slot; the word addresses they read."""
-        state, limit, memory = self._state, self._limit, self._tile.memory
-        extents, anywhere = self._tile.extents, self._anywhere
-        scratchpad_end = anywhere[1]
-        touched = []
-        for op in ops:
-            iteration = newest - op.stage
-            if not 0 <= iteration < limit:
-                continue
-            words = op.fetch(state) if iteration else op.fetch_first(state)
-            if None in words:
-                raise self._nothing_read(op.pe, "issue")
-            base, index, predicate = words
-            issue = op.issue
-            word = 0
-            if predicate:
-                address = base + (index << issue.shift) + issue.offset & WORD_MASK  # type: ignore[operator]
-                first, end = extents.get(op.array, anywhere)
-                width = issue.width
-                if not first <= address <= end - width or address % width:
-                    self._miss(op, iteration, address)
-                if address < scratchpad_end and not address % width:
-                    touched.append(address // WORD_BYTES)
-                    word = memory[address // WORD_BYTES]
-                    if width < WORD_BYTES:
-                        word = loaded(word, address, width, issue.signed)
-            self._complete(op, word)
-            if issue.use is not Use.NONE:
-                self._inform_controller(op, newest, word)
-        return touched
-
-    def _store(self, ops: tuple[Op, ...], newest: int) -> list[tuple[int, int, int]]:
-        """Issue the stores of a slot; the (byte address, word, width) triples they write, lower PE
-        first.
-        """
-        extents, anywhere = self._tile.extents, self._anywhere
-        written = []
-        for op in ops:
-            words = self._operands(op, newest)
-            if words is None:
-                continue
-            base, index, word, predicate = words
-            issue = op.issue
-            self._complete(op, None)
-            if not predicate or (issue.unless_exit and newest - op.stage == self._exited):
-                continue
-            address = base + (index << issue.shift) + issue.offset & WORD_MASK
-            first, end = extents.get(op.array, anywhere)
-            if not first <= address <= end - issue.width or address % issue.width:
-                raise self._bad_address(op, address)
-            written.append((address, word, issue.width))
-        return written
-
-    def _miss(self, op: Op, iteration: int, address: int) -> None:
-        """A load outside its array: an error, now or when it turns out to count."""
-        error = self._bad_address(op, address)
-        if not self._region.row.has_exit:
-            raise error
-        self._misses.append((iteration, op.issue.unless_exit, error))
-        self._settle_misses()
-
-    def _bad_address(self, op: Op, address: int) -> SimulationError:
-        exception = trapped(op.array)
-        if exception is not None:
-            return self._fault(op.pe, "issue", f"the kernel raises {exception}", hint=_RAISED)
-        what = self._tile.bad_address(op, address)
-        return self._fault(op.pe, "issue", what, hint="an index may leave its array")
-
-    def _stall(self, touched: list[int]) -> None:
-        count = self._tile.program.fabric.scratchpad.banks
-        banks = [address % count for address in touched]
-        self.stalls += max(map(banks.count, banks)) - 1
-
-    # --- the end of the cycle: every source is read first, then every target is written ---
-
-    def _completions(self) -> list[Completion]:
-        ring, place = self._ring, self.cycle % len(self._ring)
-        done, ring[place] = ring[place], []
-        state, res = self._state, self._tile.cells.res_base
-        for pe, word in done:
-            if self._completed[pe] == self.cycle:
-                raise self._fault(pe, None, "two operations complete in one cycle")
-            self._completed[pe] = self.cycle
-            state[res + pe] = word
-        return done
-
-    def _moved(self, slot: Slot, newest: int) -> _Moved:
-        state = self._state
-        return (
-            slot.links.fetch(state),
-            slot.links_from_registers.fetch(state),
-            slot.writes.fetch(state),
-            slot.writes_from_registers.fetch(state),
-            self._captured(slot.live_outs, newest) if slot.live_outs else [],
-        )
-
-    def _fade(self, slot: Slot) -> None:
-        for cell in slot.fades:
-            self._state[cell] = None
-
-    def _write(self, slot: Slot, moved: _Moved) -> None:
-        links, links_rf, writes, writes_rf, captured = moved
-        counted = self._counted
-        counted["link_words"] += self._set(slot.links, links)
-        counted["register_writes"] += self._set(slot.writes, writes)
-        if links_rf:
-            words = self._set(slot.links_from_registers, links_rf)
-            counted["link_words"] += words
-            counted["register_reads"] += words
-        if writes_rf:
-            words = self._set(slot.writes_from_registers, writes_rf)
-            counted["register_writes"] += words
-            counted["register_reads"] += words
-        for target, word in captured:
-            self._state[target] = word
-
-    def _clear_outputs(self) -> None:
-        state, out = self._state, self._tile.cells.out_base
-        for pe, _ in self._outputs:
-            state[out + pe] = None
-
-    def _set_outputs(self, done: list[Completion]) -> None:
-        state, res, out = self._state, self._tile.cells.res_base, self._tile.cells.out_base
-        for pe, word in done:
-            state[res + pe] = None
-            state[out + pe] = word
-        self._outputs = done
-
-    def _set(self, moves: Moves, words: tuple[int | None, ...]) -> int:
-        """Write the targets; how many of the words are words."""
-        state = self._state
-        for cell, word in zip(moves.targets, words, strict=True):
-            state[cell] = word
-        return len(words) - words.count(None)
-
-    def _captured(self, live_outs: tuple[LiveOut, ...], newest: int) -> list[tuple[int, int]]:
-        """(constant-store cell, word) of the live-outs that happen in this cycle."""
-        captured = []
-        for live_out in live_outs:
-            iteration = newest - live_out.stage
-            if not 0 <= iteration < self._limit:
-                continue
-            if live_out.unless_exit and iteration == self._exited:
-                continue
-            word = self._state[live_out.source]
-            if word is None:
-                raise self._nothing_read(live_out.pe, "live_out")
-            captured.append((live_out.target, word))
-            self._counted["register_reads"] += live_out.from_register
-        self._counted["constant_writes"] += len(captured)
-        return captured
-
-    def _nothing_read(self, pe: int, role: Role) -> SimulationError:
-        return self._fault(pe, role, "a live operation reads nothing")
-
-    def _fault(
-        self, pe: int, role: Role | None, what: str, hint: str | None = None
-    ) -> SimulationError:
-        at = Moment(self._region.index, self.cycle % self._region.row.ii, self.now)
-        return self._tile.fault(at, pe, role, what, hint)

@@ -83,7 +83,9 @@ class Recording:
         last = self.spans[-1]
         if self.program.table[last.region].drain and last.iterations:
             return last.end
-        return last.end + self.program.fabric.controller.switch_cycles
+        switched = last.end + self.program.fabric.controller.switch_cycles
+        goes_on = (self.cycles >= last.end) & (self.cycles < switched)
+        return last.end if self.program.table[last.region].fill and goes_on.any() else switched
 
 
 def record(
@@ -166,14 +168,15 @@ class _Watch:
             region.index,
             {id(one): number for slots in _slots(region) for number, one in enumerate(slots)},
         )
-        sample = (cycle, region.index, numbers[id(slot)])
+        # that of a loop in the words of the region before it gives way to that one's
+        sample = (cycle, region.index, numbers.get(id(slot), 0))
         ops = (*slot.alu, *slot.control, *slot.loads, *slot.stores)
         issued = [
             Issued(op.pe, op.issue.op.value, newest - op.stage)
             for op in ops
             if 0 <= newest - op.stage < limit
         ]
-        if self._samples and self._samples[-1][0] == cycle:  # what a loop before it still does
+        if self._samples and self._samples[-1][0] == cycle:  # what a loop still does, or has begun
             self._samples[-1] = sample
             self._issued[-1] = tuple(sorted((*self._issued[-1], *issued), key=_by_pe))
             return

@@ -7,14 +7,15 @@ and what they held is enough to take any of it back.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
 
 from vividc.mapper.engines.greedy.compiled import inlined
 from vividc.mapper.engines.greedy.task import Grid, Task
-from vividc.mapper.problem import Drain
-from vividc.mapper.resources.arrays import Ints, Ints2
+from vividc.mapper.problem import Fill, Taken
+from vividc.mapper.resources.arrays import Ints, Ints2, ints
 
 NONE: Final = -1
 CHANGES, FULL = 0, 1
@@ -92,9 +93,9 @@ _BY_PLACE: Final = ("parked", "last", "since")
 _BY_EDGE: Final = ("route", "length")
 
 
-def new_board(task: Task, cycles: int, room: int, drain: Drain | None = None) -> Board:
-    """Nothing is placed, but for what is left of a loop; for schedules of so many cycles, and so
-    many spots of words.
+def new_board(task: Task, cycles: int, room: int, loops: Sequence[Taken] = ()) -> Board:
+    """Nothing is placed, but for what loops take that end and begin; for schedules of so many
+    cycles, and so many spots of words.
     """
     grid, nodes, keys = task.grid, len(task.nodes.kind), task.held.shape[1]
     a_cycle = dict.fromkeys(_BY_SPOT, grid.places) | dict.fromkeys(_BY_CYCLE_AND_PE, grid.pes)
@@ -111,8 +112,8 @@ def new_board(task: Task, cycles: int, room: int, drain: Drain | None = None) ->
     cells[first.held : first.numbers] = task.held.ravel()
     rows = {table: getattr(first, table) + row for table, row in a_cycle.items()}
     begin = first._replace(**rows)  # from cycle 0 on: in the row before is what is before the first
-    if drain is not None:
-        _take(cells, begin, grid, nodes, drain)
+    for taken in loops:
+        _take(cells, begin, grid, nodes, taken, cycles)
     return Board(
         begin,
         grid.pes,
@@ -127,27 +128,35 @@ def new_board(task: Task, cycles: int, room: int, drain: Drain | None = None) ->
     )
 
 
-def _take(cells: Ints, begin: Begin, grid: Grid, node: int, drain: Drain) -> None:
-    """What a drain takes is taken for ever, in the name of a node that there is not."""
-    for pe, cycle in drain.issued:
-        cells[begin.issued + cycle * grid.pes + pe] = 1
-    for pe, cycle in drain.completed:
-        cells[begin.completed + cycle * grid.pes + pe] = 1
-    for pe, cycle in drain.shown:
-        cells[begin.shown + cycle * grid.pes + pe] = 1
-    for cycle, *_ in drain.accesses:
-        cells[begin.accesses + cycle] = grid.banks  # it would change which accesses wait
-    for kind, pe, index, cycle in drain.words:
+def _take(cells: Ints, begin: Begin, grid: Grid, node: int, taken: Taken, cycles: int) -> None:
+    """What a loop takes is taken for ever, in the name of a node that there is not. A register
+    that one which begins writes is no other's.
+    """
+    by_pe = (
+        (begin.issued, taken.issued),
+        (begin.completed, taken.completed),
+        (begin.shown, taken.shown),
+    )
+    for table, some in by_pe:
+        at = [cycle * grid.pes + pe for pe, cycle in some if cycle <= cycles]
+        cells[ints(table + place for place in at)] = 1
+    at = [cycle for cycle, *_ in taken.accesses if cycle <= cycles]
+    cells[ints(begin.accesses + cycle for cycle in at)] = grid.banks  # else others would wait
+    for kind, pe, index, cycle in taken.words:
         place = index if kind == "link" else grid.first[pe] + index
-        cells[begin.word + cycle * grid.places + place] = node
         if kind == "reg":
-            cells[begin.last + place] = max(cells[begin.last + place], cycle)
-    for pe, register, cycle in drain.written:
-        cells[begin.writing + cycle * grid.pes + pe] += 1
-        cells[begin.written + cycle * grid.places + grid.first[pe] + register] = 1
-    for pe, register, cycle in drain.read:
-        cells[begin.reading + cycle * grid.pes + pe] += 1
-        cells[begin.read + cycle * grid.places + grid.first[pe] + register] = 1
+            until = cycles if isinstance(taken, Fill) else cycle
+            cells[begin.last + place] = max(cells[begin.last + place], until)
+        if cycle <= cycles:
+            cells[begin.word + cycle * grid.places + place] = node
+    ports = (
+        (begin.writing, begin.written, taken.written),
+        (begin.reading, begin.read, taken.read),
+    )
+    for by_file, by_register, some_words in ports:
+        for pe, register, cycle in (one for one in some_words if one[-1] <= cycles):
+            cells[by_file + cycle * grid.pes + pe] += 1
+            cells[by_register + cycle * grid.places + grid.first[pe] + register] = 1
 
 
 # --- changes ---

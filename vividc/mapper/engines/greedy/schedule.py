@@ -5,13 +5,14 @@ where and when the array allows it soonest.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
 
 from vividc.host import time_limit
-from vividc.mapper.bounds.straight import Heights
+from vividc.mapper.bounds.straight import Heights, end_after_start
 from vividc.mapper.engines.greedy.board import FULL, NONE, PARKED, STEPS, new_board
 from vividc.mapper.engines.greedy.order import (
     DONE,
@@ -151,17 +152,24 @@ class Schedule:
     def mapping(self) -> Mapping:
         """What was found, once all nodes have a place."""
         board, nodes = self.job.board, self.region.nodes
-        pes = self._by_node(board.begin.pe)
-        places = zip(nodes, pes, self._by_node(board.begin.start), strict=True)
+        pes, starts = self._by_node(board.begin.pe), self._by_node(board.begin.start)
+        places = zip(nodes, pes, starts, strict=True)
         steps, edges = self._steps(), len(self.region.routed)
         first = board.cells[board.begin.route : board.begin.route + edges].tolist()
         length = board.cells[board.begin.length : board.begin.length + edges].tolist()
         rows = zip(self.region.routed, first, length, strict=True)
         return Mapping(
-            max(1, int(self.job.horizon[0])),
+            self._length(starts),
             {node.id: Place(pe, start) for node, pe, start in places},
             {edge: tuple(steps[begin : begin + count]) for edge, begin, count in rows},
         )
+
+    def _length(self, starts: Sequence[int]) -> int:
+        """Cycles of the region, without those that a loop behind it has to wait."""
+        problem = self.region.problem
+        pairs = zip(self.region.nodes, starts, strict=True)
+        ends = (start + end_after_start(problem.fabric, node) for node, start in pairs)
+        return max(1, 0 if problem.drain is None else problem.drain.cycles, *ends)
 
     def _by_node(self, table: int) -> list[int]:
         found: list[int] = self.job.board.cells[table : table + len(self.region.nodes)].tolist()
@@ -203,15 +211,17 @@ class Schedule:
 
 
 def _new_pass(region: Region, rules: Rules) -> Pass:
-    task, drain = region.task, region.problem.drain
+    task, problem = region.task, region.problem
+    drain = problem.drain
     pes = task.grid.pes
     most = int(np.diff(task.nodes.read_begin).max(initial=0))
     by_pe = [_zeros(pes) for _ in Options._fields[1:]]
     options = Options(_zeros(most), *by_pe)
+    loops = [one for one in (drain, problem.fill) if one is not None]
     return Pass(
         task,
         rules,
-        new_board(task, region.cycles, region.spots, drain),
+        new_board(task, region.cycles, region.spots, loops),
         new_search(task.grid, region.cycles),
         Ways(np.zeros((cycles_to_park(task.grid) + 1, pes), dtype=np.int64)),
         options,

@@ -12,7 +12,7 @@ from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, EdgeKind, Node
 from vividc.host.once import once_each
 from vividc.machine.opcodes import Opcode
-from vividc.mapper.bounds.straight import Heights, end_after_start
+from vividc.mapper.bounds.straight import Heights, end_in
 from vividc.mapper.problem import ConstantKey, MapProblem
 from vividc.mapper.resources.arrays import Bytes2, Floats2, Ints, Ints2, Rows, ints
 from vividc.mapper.resources.banks import Meets
@@ -52,9 +52,9 @@ class Nodes(NamedTuple):
     """What is placed, by dense number (ascending id).
 
     `kind`: bits `LIVE_OUT`, `MEMORY`, `CONTROL`; `busy`: cycles for which it keeps its FU; `ends`:
-    cycles of the region that it needs, itself alone; `access`: its row in `Task.meets`, or -1;
-    `waits`: for how many others; `after` (nodes, PEs): cycles from its issue to the region's end.
-    `release` (nodes, PEs): the first cycle in which it may issue there.
+    cycles of the region that it needs, itself and the loop behind alone; `access`: its row in
+    `Task.meets`, or -1; `waits`: for how many others; `after` (nodes, PEs): cycles from its issue
+    to the region's end. `release` (nodes, PEs): the first cycle in which it may issue there.
     `pe`: its candidates; `key`: its entries of constant stores; `read`: edges that bring its words;
     `source`: where these come from, each node once, `times`: by how many edges; `fed`: edges that
     take its own word; `next`: what waits for it; `reader`: what reads the variable that it writes;
@@ -170,7 +170,7 @@ def build_task(
         ints(map(_kind, placed)),
         ints(map(fabric.latency, placed)),
         ints(map(fabric.occupancy, placed)),
-        ints(end_after_start(fabric, node) for node in placed),
+        ints(end_in(problem, node) for node in placed),
         ints(access.get(node.id, -1) for node in placed),
         np.bincount(rows[-3].items, minlength=len(placed)),
         np.array([heights.after(node.id) for node in placed], dtype=np.int64).reshape(

@@ -33,7 +33,7 @@ class Place(IntEnum):
     RESUME = 8  # 1: inside a loop, which was suspended
     NOW = 9  # cycle of the suspension
     TABLES = 10  # address of the words of all tables
-    OVERLAP = 11  # cycles of region NEXT in which the loop before it was still under way
+    OVERLAP = 11  # cycles of region NEXT in which the one before it was still under way
 
 
 class Status(IntEnum):

@@ -46,9 +46,9 @@ def finish(frame: Frame, end: End) -> None:
     """The end of a run that had an iteration."""
     code = frame.code
     cycles = code.value(f"add i64 {end.end}, {end.values[('stalls',)]}")
-    if frame.begins_early:
-        cycles = code.value(f"sub i64 {cycles}, {frame.get(Place.OVERLAP)}")
     now = code.value(f"add i64 {frame.base}, {cycles}")
+    if frame.overlap.begins_early:
+        cycles = code.value(f"sub i64 {cycles}, {frame.get(Place.OVERLAP)}")
     limit = frame.get(Place.CYCLE_LIMIT)
     over = code.either(
         code.value(f"icmp sgt i64 {now}, {limit}"),
@@ -59,10 +59,11 @@ def finish(frame: Frame, end: End) -> None:
     row = frame.flow.row
     if row.drain:
         _go_on(frame, now, str(row.next), "0")
+        overlap = str(row.drain)
     else:
-        _continue(frame, now, end.branch)
-    if row.drain or frame.begins_early:
-        frame.set(Place.OVERLAP, str(row.drain))
+        overlap = _continue(frame, now, end.branch)
+    if row.drain or frame.overlap.fill or frame.overlap.begins_early:
+        frame.set(Place.OVERLAP, overlap)
     _write_back(frame, end.values)
     sums = {
         Sum.ENTRIES: "1",
@@ -83,7 +84,7 @@ def finish(frame: Frame, end: End) -> None:
 def finish_empty(frame: Frame) -> None:
     """The end of a run without any."""
     _sum(frame, Sum.ENTRIES, "1")
-    _continue(frame, frame.base, "")
+    _continue(frame, frame.base, "")  # a loop that has none does not begin early
     frame.code.do(f"ret i32 {Status.DONE:d}")
 
 
@@ -122,21 +123,36 @@ def _write_back(frame: Frame, values: dict[Key, str]) -> None:
         frame.set(place, code.value(f"or i64 {frame.get(place)}, {shifted}"))
 
 
-def _continue(frame: Frame, now: str, branch: str) -> None:
-    """Time, and the region that runs next."""
+def _continue(frame: Frame, now: str, branch: str) -> str:
+    """Time, and the region that runs next; in how many cycles that was under way."""
     code, targets = frame.code, (frame.flow.row.next, frame.flow.row.branch)
     onward, branched = (-1 if target is None else target for target in targets)
     following = str(onward)
     if branch:
         taken = code.value(f"icmp eq i32 {branch}, 1")
         following = code.choose(taken, "i64", str(branched), str(onward))
-    switch = "0"
+    switch = overlap = "0"
     if onward >= 0 or (branch and branched >= 0):
         goes_on = code.value(f"icmp sge i64 {following}, 0")
         switch = code.choose(goes_on, "i64", str(frame.switch_cycles), "0")
+        if frame.overlap.fill:
+            has_begun = _has_begun(frame, following)
+            overlap = code.choose(has_begun, "i64", str(frame.overlap.fill), "0")
+            switch = code.choose(has_begun, "i64", "0", switch)
         now = code.value(f"add i64 {now}, {switch}")
         _check_switch(frame, now, goes_on)
     _go_on(frame, now, following, switch)
+    return overlap
+
+
+def _has_begun(frame: Frame, following: str) -> str:
+    """Whether the loop that follows has begun while the region ended."""
+    code = frame.code
+    trips = frame.get(Place.TRIP)
+    return code.both(
+        code.value(f"icmp eq i64 {following}, {frame.overlap.loop}"),
+        code.value(f"icmp sge i64 {trips}, {frame.overlap.least}"),
+    )
 
 
 def _go_on(frame: Frame, now: str, following: str, switch: str) -> None:

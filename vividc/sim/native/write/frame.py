@@ -5,10 +5,34 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from vividc.program import RegionRow, loop_behind
 from vividc.program.dataflow import Constant, RegionFlow
 from vividc.sim.native.plan.counts import CountClass
 from vividc.sim.native.write.body import Machine
 from vividc.sim.native.write.text import Code
+
+
+@dataclass(frozen=True)
+class Overlap:
+    """What may be under way in cycles of a region: the region before it, when it begins
+    (`begins_early`); and in its last `fill` cycles the loop behind it, which begins then if it has
+    `least` iterations or more.
+    """
+
+    begins_early: bool
+    fill: int
+    loop: int | None = None
+    least: int = 0
+
+    @staticmethod
+    def of(table: Sequence[RegionRow], index: int) -> Overlap:
+        """By a region table."""
+        early = any(row.drain and row.next == index for row in table)
+        early |= any(row.fill and loop_behind(table, n) == index for n, row in enumerate(table))
+        fill, loop = table[index].fill, loop_behind(table, index)
+        if not fill or loop is None:
+            return Overlap(early, 0)
+        return Overlap(early, fill, loop, table[loop].least_trips(fill))
 
 
 @dataclass
@@ -19,10 +43,9 @@ class Frame:
     ----------
     sums
         First word of the region's sums.
-    begins_early
-        A loop may still have been under way when the region began.
     base, entries
-        Cycle at which the region starts; regions run, this one included.
+        Cycle at which the region starts, also if the one before it is still under way; regions run,
+        this one included.
     trip
         Iterations unless an exit node ends the loop.
     """
@@ -33,7 +56,7 @@ class Frame:
     classes: Sequence[CountClass]
     switch_cycles: int
     sums: int
-    begins_early: bool = False
+    overlap: Overlap
     base: str = ""
     entries: str = ""
     trip: str = "1"
