@@ -17,9 +17,9 @@ from vividc.compiler.planning.estimate import Estimate, Estimator
 from vividc.compiler.planning.fit import fitted
 from vividc.compiler.planning.interleave import loops_around_waiting
 from vividc.compiler.planning.options import LoopOptions
-from vividc.compiler.planning.parts import joined_parts, static_part
+from vividc.compiler.planning.parts import Restructured, joined_parts, static_part
 from vividc.compiler.planning.plan import Draft, Plan, Stage, better_last, clearly_better
-from vividc.compiler.planning.restructure import Restructured, restructured, restructured_together
+from vividc.compiler.planning.restructure import restructured, restructured_together
 from vividc.compiler.planning.state import State
 from vividc.errors import TimeLimit
 from vividc.host import time_limit
@@ -78,6 +78,9 @@ _NO_GAIN = "does not pay"
 
 _BEST = 1 << 10
 """The place of the last of all forms: nests beside those that are joined have what was found."""
+
+_FEW = 2
+"""Nests of a kernel, at most, of which other forms are mapped, too."""
 
 _STEP = 0.955
 """A factor must do so much better than half of it."""
@@ -162,6 +165,10 @@ class _Chooser(Draft):
             for form in range(max(map(len, self.forms.values()), default=1) - 1):
                 self._way(start, ways, restructure=True, form=form)
                 ways[-1] = [replace(stage, reserve=True) for stage in ways[-1]]
+            if any(forms[-1].other for forms in self.forms.values()) and len(self.forms) <= _FEW:
+                best = {header: forms[-1] for header, forms in self.forms.items()}
+                self.forms = {header: (one.other or one,) for header, one in best.items()}
+                self._way(start, ways, restructure=True, form=0)
             if self.forms:
                 self._way(start, ways, restructure=False)
                 ways[-1] = clearly_better(ways[-1], ways[0][-1])

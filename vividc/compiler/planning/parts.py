@@ -17,7 +17,7 @@ from vividc.ssa.loops.left_out import without_loops
 from vividc.ssa.polyhedral.generate import generate
 from vividc.ssa.polyhedral.loops import Loops, expected_trips, iterations_of, loops_of
 from vividc.ssa.polyhedral.orders.realigned import realigned
-from vividc.ssa.polyhedral.orders.search import has_masks, is_legal
+from vividc.ssa.polyhedral.orders.search import describe, has_masks, is_legal
 from vividc.ssa.polyhedral.relations import Relations, Rows
 from vividc.ssa.polyhedral.rows import rows_of
 from vividc.ssa.polyhedral.schedule import schedule_of
@@ -36,6 +36,119 @@ _MOST_JOINED = 4
 
 _MOST_REALIGNED = 1
 """Orders with a sum's loop outermost that are compared with those of the source."""
+
+
+_AS_FAST, _FEWER = 1.005, 0.7
+"""Estimates nearer to each other say nothing: stencil7 has forms of 30 and of 69 contexts so."""
+
+_SURE = 0.2
+"""By this share all contexts must make it faster that groups which are not full follow behind the
+others: at lengths that leave larger rests it is slower (covariance of 28 columns by 5: 8,252 cycles
+instead of 6,176, where 96 contexts more make it faster by 2 % at the lengths that are expected).
+"""
+
+_SPARE = 0.25
+"""Of the contexts: straight regions take more than their bounds (lu 545, where the bounds fit into
+512), and may need more registers than there are (covariance).
+"""
+
+_STRAIGHT = (40, 60)
+"""Operations of a straight region, times the PEs, that are sure and likely to be mapped: larger
+ones may need more registers than there are (939 for 25 divisions at the end of a tile of
+covariance), or more constants than the stores of PEs hold (16 rows of a layer norm, whose divisions
+and roots have 1,779; 8 rows are mapped).
+"""
+
+_HOPE = 0.6
+"""Of the cycles by which regions may begin earlier than is estimated."""
+
+_BETTER = 0.99
+"""A form is worth mapping, too, if it takes so much less with these: that of seidel-2d takes 0.84
+times the cycles of the best one by estimate, that of jacobi-1d 1.39 times.
+"""
+
+
+@dataclass(frozen=True)
+class Restructured:
+    """A state with other loops, what is estimated of it, and the tree of these loops.
+
+    `cycles`: the mean of what is estimated of it for symbols as they are expected, and larger; what
+    is best for one is not for the other. `order`: which of the part's
+    `written_orders` the tree is of. `carries`: registers carry elements from one iteration to the
+    next. `other`: of the best form, one that is better if regions begin as early as they may.
+    """
+
+    state: State
+    estimate: Estimate
+    order: int
+    tree: Loop
+    factor: int
+    cycles: float
+    carries: bool
+    other: Restructured | None = None
+
+    @property
+    def hopeful(self) -> float:
+        """Its cycles if regions begin nearly as early as they may."""
+        spared = (
+            one.runs * min(one.trips, 1.0) * (one.earliest - one.early)
+            for one in self.estimate.regions
+        )
+        return self.cycles - _HOPE * sum(spared)
+
+
+def ranked(
+    made: list[Restructured], estimator: Estimator, every: list[Restructured]
+) -> tuple[Restructured, ...]:
+    """The tree with the fewest estimated cycles, before it those that are likelier to be mapped;
+    `every`: trees of other orders, too.
+    """
+    made = sorted(made, key=lambda one: one.cycles)
+    if made:
+        sure = surest(made, estimator)
+        made.sort(key=lambda one: one is not sure)
+    kept = dict.fromkeys((*(_most_likely(made, most, estimator) for most in _STRAIGHT), 0))
+    forms = [_as_a_whole(made[place], estimator) for place in kept if made]
+    other = min(every, key=lambda one: one.hopeful, default=None) if made else None
+    if other is not None and other.hopeful < _BETTER * made[0].hopeful:
+        forms[-1] = replace(forms[-1], other=_as_a_whole(other, estimator))
+    return tuple(forms)
+
+
+def _as_a_whole(one: Restructured, estimator: Estimator) -> Restructured:
+    """With what is estimated of all nests together."""
+    return replace(one, estimate=estimator.estimate(one.state.function, one.state.hints))
+
+
+def surest(made: list[Restructured], estimator: Estimator) -> Restructured:
+    """The fastest of these; or of it masked or not, and of those as fast that take far fewer
+    contexts, one that takes fewer.
+    """
+    contexts = estimator.fabric.controller.contexts
+    fastest = min(made, key=lambda one: one.cycles)
+    shape, few = describe(fastest.tree).replace("?", ""), _FEWER * fastest.estimate.contexts
+
+    def is_as_good(one: Restructured) -> bool:
+        is_as_fast = one.cycles < _AS_FAST * fastest.cycles and one.estimate.contexts < few
+        return is_as_fast or describe(one.tree).replace("?", "") == shape
+
+    weighed = _SURE / contexts
+    return min(
+        filter(is_as_good, made), key=lambda one: one.cycles * (1 + weighed * one.estimate.contexts)
+    )
+
+
+def _most_likely(made: list[Restructured], straight: int, estimator: Estimator) -> int:
+    """The place of the best of these whose contexts and straight regions (operations a PE) give a
+    mapper room; 0 if none's do.
+    """
+    fabric = estimator.fabric
+    room = (1.0 - _SPARE) * fabric.controller.contexts
+    longest = straight * len(fabric.pes)
+    for place, one in enumerate(made):
+        if one.estimate.contexts <= room and one.estimate.largest_straight <= longest:
+            return place
+    return 0
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
-from vividc.compiler.planning.estimate import Estimate, Estimator, Room
+from vividc.compiler.planning.estimate import Estimator, Room
 from vividc.compiler.planning.factors import (
     FACTORS,
     FIRST,
@@ -29,8 +29,11 @@ from vividc.compiler.planning.factors import (
 from vividc.compiler.planning.parts import (
     Apart,
     Regenerated,
+    Restructured,
     expected_lengths,
+    ranked,
     static_part,
+    surest,
     with_loops,
     written_orders,
 )
@@ -67,9 +70,6 @@ what it takes by columns, and at its best 0.8 times. Another order is taken if i
 at an estimate of 0.993 symm takes 1.04 times its cycles, seidel-2d 0.93 times at one of 0.983.
 """
 
-_AS_FAST, _FEWER = 1.005, 0.7
-"""Estimates nearer to each other say nothing: stencil7 has forms of 30 and of 69 contexts so."""
-
 _MASKED = 0.97
 """Another mask is, if that is not for stalls alone: predicates leave a mapper less room (at 0.988
 heat-3d takes 1.04 times), and stalls may be others (at 0.968 outer_product takes 1.34 times).
@@ -84,48 +84,11 @@ _LARGER = 3
 _FAR = 1.5
 """Times the contexts: what takes more is not tried in other ways."""
 
-_SURE = 0.2
-"""By this share all contexts must make it faster that groups which are not full follow behind the
-others: at lengths that leave larger rests it is slower (covariance of 28 columns by 5: 8,252 cycles
-instead of 6,176, where 96 contexts more make it faster by 2 % at the lengths that are expected).
-"""
-
-_SPARE = 0.25
-"""Of the contexts: straight regions take more than their bounds (lu 545, where the bounds fit into
-512), and may need more registers than there are (covariance).
-"""
-
-_STRAIGHT = (40, 60)
-"""Operations of a straight region, times the PEs, that are sure and likely to be mapped: larger
-ones may need more registers than there are (939 for 25 divisions at the end of a tile of
-covariance), or more constants than the stores of PEs hold (16 rows of a layer norm, whose divisions
-and roots have 1,779; 8 rows are mapped).
-"""
-
 _STORED = 0.6
 """Of the entries of constant stores beside load/store units, which nests share: what accesses of a
 nest's loops take at most. Other operands and straight regions need the rest (adi: 8 rows of four
 loops take 0.51 and are mapped, 10 take 0.64 and are not).
 """
-
-
-@dataclass(frozen=True)
-class Restructured:
-    """A state with other loops, what is estimated of it, and the tree of these loops.
-
-    `cycles`: the mean of what is estimated of it for symbols as they are expected, and larger; what
-    is best for one is not for the other. `order`: which of the part's
-    `written_orders` the tree is of. `carries`: registers carry elements from one iteration to the
-    next.
-    """
-
-    state: State
-    estimate: Estimate
-    order: int
-    tree: Loop
-    factor: int
-    cycles: float
-    carries: bool
 
 
 def restructured(
@@ -152,7 +115,8 @@ def restructured(
     best = min(tried, key=_Climb.least)
     made = best.climb()
     made += [one for climb in (own, *others) if climb is not best for one in climb.made]
-    return _ranked(made, estimator) or Refusal("no other loops can be generated")
+    every = [one for climb in (own, *others) for one in climb.made]
+    return ranked(made, estimator, every) or Refusal("no other loops can be generated")
 
 
 def restructured_together(
@@ -165,53 +129,8 @@ def restructured_together(
     """As `restructured`, of a part of two nests: the best loops in which they are one nest."""
     symbols = expected_lengths(part, trips)
     climb = _Climb(state, 0, part, estimator, symbols, most_operations, are_two=True)
-    return _ranked(climb.climb(), estimator) or Refusal("they cannot be one nest")
-
-
-def _ranked(made: list[Restructured], estimator: Estimator) -> tuple[Restructured, ...]:
-    """The tree with the fewest estimated cycles, before it one that is sure to be mapped."""
-    made = sorted(made, key=lambda one: one.cycles)
-    if made:
-        surest = _surest(made, estimator)
-        made.sort(key=lambda one: one is not surest)
-    kept = dict.fromkeys((*(_most_likely(made, most, estimator) for most in _STRAIGHT), 0))
-    return tuple(_as_a_whole(made[place], estimator) for place in kept if made)
-
-
-def _as_a_whole(one: Restructured, estimator: Estimator) -> Restructured:
-    """With what is estimated of all nests together."""
-    return replace(one, estimate=estimator.estimate(one.state.function, one.state.hints))
-
-
-def _surest(made: list[Restructured], estimator: Estimator) -> Restructured:
-    """The fastest of these; or of it masked or not, and of those as fast that take far fewer
-    contexts, one that takes fewer.
-    """
-    contexts = estimator.fabric.controller.contexts
-    fastest = min(made, key=lambda one: one.cycles)
-    shape, few = describe(fastest.tree).replace("?", ""), _FEWER * fastest.estimate.contexts
-
-    def is_as_good(one: Restructured) -> bool:
-        is_as_fast = one.cycles < _AS_FAST * fastest.cycles and one.estimate.contexts < few
-        return is_as_fast or describe(one.tree).replace("?", "") == shape
-
-    weighed = _SURE / contexts
-    return min(
-        filter(is_as_good, made), key=lambda one: one.cycles * (1 + weighed * one.estimate.contexts)
-    )
-
-
-def _most_likely(made: list[Restructured], straight: int, estimator: Estimator) -> int:
-    """The place of the best of these whose contexts and straight regions (operations a PE) give a
-    mapper room; 0 if none's do.
-    """
-    fabric = estimator.fabric
-    room = (1.0 - _SPARE) * fabric.controller.contexts
-    longest = straight * len(fabric.pes)
-    for place, one in enumerate(made):
-        if one.estimate.contexts <= room and one.estimate.largest_straight <= longest:
-            return place
-    return 0
+    made = climb.climb()
+    return ranked(made, estimator, made) or Refusal("they cannot be one nest")
 
 
 @dataclass
@@ -382,7 +301,7 @@ class _Climb:
             best = min(found, key=lambda one: self._cycles(found[one]))
             trees.append(self._with(tree, of_group(group, best), not masked))
         made = [one for one in map(self._try, trees) if one is not None]
-        return _surest(made, self.estimator).tree if made else tree
+        return surest(made, self.estimator).tree if made else tree
 
     def _tried_factors(
         self, tree: Loop, group: tuple[Path, ...], first: tuple[int, ...], *, masked: bool
