@@ -39,6 +39,11 @@ _SHARES = (0.25, 0.6)
 can by the schedule: schedules are sought with which it begins there.
 """
 
+_LARGEST = 400
+"""Operations and live-outs of a region for which it is sought: of larger ones it takes long, and
+their accesses leave the loop no cycle (symm, covariance, correlation, cholesky).
+"""
+
 _LONGER = 12
 """Contexts that a region may take more for it."""
 
@@ -204,6 +209,8 @@ class One:
         begin = begin_of(found.result)
         best = found if begin is None else replace(found, fill=length - begin)
         least, paid = length + switch if begin is None else begin, price(length, begin)
+        if len(problem.dfg.placed) > _LARGEST:
+            return best
         alone = replace(problem, fill=replace(first, expected=_FAR))
         bound = max(straight_lower_bound(alone).ii - _FAR, length - most)
         for share in _SHARES if least - bound >= self.around.pays else ():
