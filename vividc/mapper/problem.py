@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable
+from collections.abc import Hashable, Iterable, Iterator
 from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -41,6 +41,16 @@ class Taken:
     read: frozenset[tuple[int, int, int]]
     accesses: frozenset[tuple[int, str, bool]]
 
+    def meeting(self, name: str, is_store: bool) -> Iterator[int]:
+        """Cycles of its accesses that may meet one to an array, and of which either stores."""
+        for cycle, array, stores in self.accesses:
+            if (stores or is_store) and (array == name or not (array and name)):
+                yield cycle
+
+    def _all(self) -> Hashable:
+        taken = (self.issued, self.completed, self.shown, self.words, self.written, self.read)
+        return taken, self.accesses
+
 
 @dataclass(frozen=True)
 class Fill(Taken):
@@ -72,8 +82,7 @@ class Fill(Taken):
             frozenset((pe, names[key], cycle) for (pe, key), cycle in some.items() if key in names)
             for some in (self.entries_read, self.entries_written)
         )
-        taken = (self.issued, self.completed, self.shown, self.words, self.written, self.read)
-        return self.begin, self.expected, taken, self.accesses, read, written
+        return self.begin, self.expected, self._all(), read, written
 
     def after(self, node: Node, key: ConstantKey, pes: Iterable[int]) -> int | None:
         """Cycles of the loop before which it needs what a node writes to an entry, or that it has
@@ -84,13 +93,8 @@ class Fill(Taken):
 
     def accessed_after(self, node: Node) -> int | None:
         """Cycles of the loop before which an access has to be made; None: it does not matter."""
-        is_store = node.op is Opcode.STORE
-        first = (
-            cycle - self.begin
-            for cycle, array, stores in self.accesses
-            if (stores or is_store) and (array == node.name or not (array and node.name))
-        )
-        return min(first, default=None)
+        first = min(self.meeting(node.name, node.op is Opcode.STORE), default=None)
+        return None if first is None else first - self.begin
 
 
 @dataclass(frozen=True)
@@ -130,20 +134,11 @@ class Drain(Taken):
             frozenset((pe, names[key], cycle) for pe, key, cycle in some if key in names)
             for some in (self.entries_read, self.entries_written)
         )
-        taken = (self.issued, self.completed, self.shown, self.words, self.written, self.read)
-        return self.cycles, taken, self.accesses, read, written
+        return self.cycles, self._all(), read, written
 
     def accessible_from(self, node: Node) -> int:
         """The cycle from which on the region may make an access, but for those with accesses."""
-        is_store = node.op is Opcode.STORE
-        return max(
-            (
-                cycle + 1
-                for cycle, array, stores in self.accesses
-                if (stores or is_store) and (array == node.name or not (array and node.name))
-            ),
-            default=0,
-        )
+        return 1 + max(self.meeting(node.name, node.op is Opcode.STORE), default=-1)
 
 
 @dataclass(frozen=True)

@@ -58,6 +58,10 @@ class RegionRow:
         """Whether it is a counted loop without an exit."""
         return self.kind == "loop" and self.counted and not self.has_exit
 
+    def begun(self, cycles: int) -> int:
+        """Iterations of the loop that begin in its first so many cycles."""
+        return -(-cycles // self.ii)
+
     def least_trips(self, fill: int) -> int:
         """Iterations with which the loop does not end before a region does in whose last `fill`
         cycles it begins.

@@ -178,21 +178,28 @@ def drained() -> tuple[Program, Launch]:
     return program, launch(program, *args, cycle_limit=2000)
 
 
-def assert_drained_mutants_agree(seed: int, count: int) -> int:
-    """How many of them could be run."""
+def assert_overlapping_mutants_agree(
+    program: Program, given_launch: Launch, regions: tuple[int, int], seed: int, count: int
+) -> int:
+    """How many programs could be run of those with changed words of two regions that overlap."""
     random, possible = Random(seed), 0
-    program, given_launch = drained()
-    loop = next(row for row in program.table if row.drain)
-    assert loop.next is not None
-    behind = program.table[loop.next]
-    contexts = [*range(behind.context, behind.context + behind.ii)]
-    contexts += range(loop.context, loop.context + loop.ii)
+    rows_ = [program.table[region] for region in regions]
+    contexts = [at for row in rows_ for at in range(row.context, row.context + row.ii)]
     for _ in range(count):
         mutant = mutated(program, random, contexts)
         if _is_possible(mutant):
             assert_engines_agree(mutant, given_launch)
             possible += 1
     return possible
+
+
+def assert_drained_mutants_agree(seed: int, count: int) -> int:
+    """As above, of a region that begins while the loop before it ends."""
+    program, given_launch = drained()
+    loop = next(index for index, row in enumerate(program.table) if row.drain)
+    behind = program.table[loop].next
+    assert behind is not None
+    return assert_overlapping_mutants_agree(program, given_launch, (behind, loop), seed, count)
 
 
 def test_changed_words_of_a_region_that_begins_early() -> None:
@@ -202,21 +209,13 @@ def test_changed_words_of_a_region_that_begins_early() -> None:
 
 
 def assert_filled_mutants_agree(seed: int, count: int) -> int:
-    """As above, of a program whose loop begins while the region before it ends."""
-    random, possible = Random(seed), 0
+    """As above, of a loop that begins while the region before it ends."""
     program = vividc.compile(tails, fabric="vivid-tile", loops=vividc.LoopOptions(auto=False))
     given_launch = launch(program, *arguments((2, 0, 9, 1, 3)), cycle_limit=2000)
     index = max(index for index, row in enumerate(program.table) if row.fill)
     loop = loop_behind(program.table, index)
     assert loop is not None
-    rows_ = (program.table[index], program.table[loop])
-    contexts = [at for row in rows_ for at in range(row.context, row.context + row.ii)]
-    for _ in range(count):
-        mutant = mutated(program, random, contexts)
-        if _is_possible(mutant):
-            assert_engines_agree(mutant, given_launch)
-            possible += 1
-    return possible
+    return assert_overlapping_mutants_agree(program, given_launch, (index, loop), seed, count)
 
 
 def test_changed_words_of_a_loop_that_begins_early() -> None:

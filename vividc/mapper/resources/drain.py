@@ -36,13 +36,8 @@ def drain_of(dfg: DFG, fabric: Fabric, mapping: Mapping, begin: int, cycles: int
         else:
             read[at] = max(read.get(at, 0), cycle)
     return Drain(
-        taken.issued,
-        taken.completed,
-        taken.shown,
-        words,
-        taken.written,
-        taken.read,
-        taken.accesses,
-        cycles,
-        *(frozenset((*at, cycle) for at, cycle in some.items()) for some in (read, written)),
+        **{**vars(taken), "words": words},
+        cycles=cycles,
+        entries_read=frozenset((*at, cycle) for at, cycle in read.items()),
+        entries_written=frozenset((*at, cycle) for at, cycle in written.items()),
     )

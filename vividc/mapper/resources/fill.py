@@ -65,6 +65,9 @@ class _Meeting:
         self._ports_written = _ports(self._own.written)
         self._last_read = _last(self._own.read)
         self._last_written = _last(self._own.written)
+        self._accessed = {cycle for cycle, *_ in fill.accesses}
+        kinds = {(array, is_store) for _, array, is_store in self._own.accesses}
+        self._met = {one: min(fill.meeting(*one), default=mapping.ii) for one in kinds}
         self._first_written: dict[tuple[int, int], int] = {}
         for pe, register, cycle in sorted(fill.written, key=lambda one: -one[2]):
             self._first_written[pe, register] = cycle
@@ -132,20 +135,11 @@ class _Meeting:
         )
 
     def _has_memory(self, begin: int) -> bool:
-        others: dict[int, list[tuple[str, bool]]] = {}
-        for cycle, array, is_store in self._fill.accesses:
-            if begin + cycle < self._length:
-                others.setdefault(begin + cycle, []).append((array, is_store))
-        for cycle, array, is_store in self._own.accesses:
-            if cycle in others:
-                return False
-            for earlier, some in others.items():
-                if earlier < cycle and any(
-                    (is_store or stores) and (array == name or not (array and name))
-                    for name, stores in some
-                ):
-                    return False
-        return True
+        """Nothing is accessed by both in a cycle, nor by the loop before the region is done."""
+        return all(
+            cycle - begin not in self._accessed and cycle - begin <= self._met[array, is_store]
+            for cycle, array, is_store in self._own.accesses
+        )
 
 
 def _ports(some: Iterable[tuple[int, int, int]]) -> Counter[tuple[int, int]]:

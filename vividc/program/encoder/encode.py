@@ -209,8 +209,7 @@ def _table(
     for index, row in enumerate(rows):
         behind = loop_behind(rows, index) if row.fill else None
         if behind is not None:
-            begun = -(-row.fill // rows[behind].ii)
-            rows[index] = replace(row, stages=row.stages + begun)
+            rows[index] = replace(row, stages=row.stages + rows[behind].begun(row.fill))
     return tuple(rows)
 
 

@@ -24,7 +24,7 @@ def fill_fault(program: Program, region: int) -> str | None:
     drained = max((one.drain for one in program.table if one.next == region), default=0)
     if not 0 < row.fill <= row.ii - max(0, drained):
         return "it does not take so long, or a loop ends meanwhile"
-    begun = -(-row.fill // program.table[loop].ii)
+    begun = program.table[loop].begun(row.fill)
     if not begun < row.stages <= program.fabric.controller.max_stages:
         return f"it has {row.stages} stages"
     if not program.fabric.is_plain:

@@ -101,8 +101,8 @@ class _Parting:
         try:
             before = None if drained is None else self._rest(drained)
             after = None if behind is None else self._ahead(region, behind)
-            if before is not None and after is not None:
-                begun = -(-row.fill // self._table[behind or 0].ii)
+            if before is not None and behind is not None:
+                begun = self._table[behind].begun(row.fill)
                 demand(before.last_stage < row.stages - begun, "both loops have a stage")
             if before is not None or after is not None:
                 self._check(region, before, after)
