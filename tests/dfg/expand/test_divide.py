@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
 
 import numpy as np
@@ -11,6 +12,7 @@ from tests.dfg.expand.vectorised import (
     OPERATIONS,
     SPECIALS,
     by_semantics,
+    evaluate_many,
     expanded,
     fma,
     graph,
@@ -19,15 +21,25 @@ from tests.dfg.expand.vectorised import (
     random_words,
 )
 from vividc.dfg.check import check
-from vividc.dfg.expand.divide import RECIPROCAL_MAGIC, prepared, quotient_by
+from vividc.dfg.expand.divide import (
+    RECIPROCAL_MAGIC,
+    prepared,
+    prepared_soon,
+    quotient_by,
+    quotient_soon_by,
+)
 from vividc.dfg.expand.expand import expand_math
 from vividc.dfg.forms.text import parse
+from vividc.machine.division import Emit
 from vividc.machine.opcodes import Opcode
 from vividc.machine.words import float_of, word_of
 
 SMALLEST_NORMAL = 0x00800000
+WAYS: list[dict[str, bool]] = [{}, {"straight": True}, {"straight": True, "late": True}]
 MAX_SUBNORMAL_ULP = Fraction(3, 4)
 HARD_DIVISORS = 2
+MANTISSAS = np.arange(0x3F800000, 0x40000000, dtype=np.uint32)
+ESTIMATE_ERROR = 6.7e-6
 BEYOND, NEAR = 55, 2.0**-10
 """Divisors whose reciprocal is more than half a unit in the last place off, and how much more."""
 
@@ -78,16 +90,16 @@ def test_special_operands() -> None:
     a, d = (grid.ravel() for grid in np.meshgrid(SPECIALS, SPECIALS))
     ours = interpreted(Opcode.FDIV, a, d)
     assert_rounded(a, d, ours)
-    for straight in (False, True):
-        assert np.array_equal(ours, expanded(Opcode.FDIV, a, d, straight=straight))
+    for way in WAYS:
+        assert np.array_equal(ours, expanded(Opcode.FDIV, a, d, **way))
 
 
 def test_random_operands() -> None:
     a, d = random_words(3000, 1), random_words(3000, 2)
     ours = interpreted(Opcode.FDIV, a, d)
     assert_rounded(a, d, ours)
-    for straight in (False, True):
-        assert np.array_equal(ours, expanded(Opcode.FDIV, a, d, straight=straight))
+    for way in WAYS:
+        assert np.array_equal(ours, expanded(Opcode.FDIV, a, d, **way))
 
 
 def test_quotients_around_the_smallest_normal_and_the_largest_number() -> None:
@@ -99,7 +111,8 @@ def test_quotients_around_the_smallest_normal_and_the_largest_number() -> None:
     a = np.concatenate([low, high]).astype(np.uint32)
     ours = expanded(Opcode.FDIV, a, d)
     assert_rounded(a, d, ours)
-    assert np.array_equal(ours, expanded(Opcode.FDIV, a, d, straight=True))
+    for way in WAYS:
+        assert np.array_equal(ours, expanded(Opcode.FDIV, a, d, **way))
 
 
 @pytest.mark.parametrize("divisor", [0x3F7FFFFF, 0x3F7FFFFD, 0x3F7FFFFB, 0x3F7FFFF9])
@@ -109,8 +122,8 @@ def test_the_hardest_quotients(divisor: int) -> None:
     assert dividends
     a = np.array(dividends, np.uint32)
     d = np.full(len(dividends), divisor, np.uint32)
-    for straight in (False, True):
-        ours = expanded(Opcode.FDIV, a, d, straight=straight)
+    for way in WAYS:
+        ours = expanded(Opcode.FDIV, a, d, **way)
         assert np.array_equal(ours, by_semantics(Opcode.FDIV, a, d))
 
 
@@ -125,11 +138,15 @@ def test_operations_where_latency_binds() -> None:
     after = expand_math(graph(Opcode.FDIV, straight=True))
     assert check(after) == []
     assert len(after.operations) == 52
-    assert (latency(after, 3, 5), latency(after, 2, 5)) == (42, 21)
+    assert (latency(after, 2, 5), latency(after, 3, 5)) == (25, 37)
+    after = expand_math(graph(Opcode.FDIV, straight=True, late=True))
+    assert check(after) == []
+    assert len(after.operations) == 7 + 52
+    assert (latency(after, 13, 5), latency(after, 3, 5)) == (18, 43)
 
 
-def by_halves(a: np.ndarray, d: np.ndarray) -> np.ndarray:
-    """The quotients of divisors that were prepared."""
+def by_halves(a: np.ndarray, d: np.ndarray, way: Callable[..., np.ndarray]) -> np.ndarray:
+    """The quotients of divisors that were prepared, both in one of `HALVES`."""
 
     def emit(opcode: Opcode, *operands: np.ndarray | int) -> np.ndarray:
         with np.errstate(all="ignore"):
@@ -138,7 +155,30 @@ def by_halves(a: np.ndarray, d: np.ndarray) -> np.ndarray:
     def words(operand: np.ndarray | int) -> np.ndarray:
         return np.ascontiguousarray(np.broadcast_to(np.asarray(operand, np.uint32), a.shape))
 
+    return way(emit, a, d)
+
+
+def cheaply(emit: Emit[np.ndarray], a: np.ndarray, d: np.ndarray) -> np.ndarray:
     return quotient_by(emit, a, prepared(emit, d))
+
+
+def soon(emit: Emit[np.ndarray], a: np.ndarray, d: np.ndarray) -> np.ndarray:
+    return quotient_soon_by(emit, a, prepared_soon(emit, d))
+
+
+def soon_prepared(emit: Emit[np.ndarray], a: np.ndarray, d: np.ndarray) -> np.ndarray:
+    return quotient_by(emit, a, prepared_soon(emit, d, exact=True))
+
+
+def soon_by_either(emit: Emit[np.ndarray], a: np.ndarray, d: np.ndarray) -> np.ndarray:
+    return quotient_soon_by(emit, a, prepared_soon(emit, d, exact=True))
+
+
+HALVES = [cheaply, soon, soon_prepared, soon_by_either]
+
+
+def by_normal_divisors(emit: Emit[np.ndarray], a: np.ndarray, d: np.ndarray) -> np.ndarray:
+    return quotient_soon_by(emit, a, prepared_soon(emit, d, normal=True))
 
 
 def of_all_exponents(seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -169,11 +209,43 @@ def near_the_ends(seed: int) -> tuple[np.ndarray, np.ndarray]:
     return a.view(np.uint32), d
 
 
-def test_halves_have_the_words_of_the_whole() -> None:
+@pytest.mark.parametrize("way", HALVES)
+def test_halves_have_the_words_of_the_whole(way: Callable[..., np.ndarray]) -> None:
     grids = np.meshgrid(np.asarray(SPECIALS, np.uint32), np.asarray(SPECIALS, np.uint32))
     specials = grids[0].ravel(), grids[1].ravel()
     for a, d in (specials, of_all_exponents(1), near_the_ends(2)):
-        assert np.array_equal(by_halves(a, d), expanded(Opcode.FDIV, a, d))
+        assert np.array_equal(by_halves(a, d, way), expanded(Opcode.FDIV, a, d))
+
+
+def test_a_divisor_that_cannot_be_subnormal_takes_less() -> None:
+    grids = np.meshgrid(np.asarray(SPECIALS, np.uint32), np.asarray(SPECIALS, np.uint32))
+    specials = grids[0].ravel(), grids[1].ravel()
+    for a, d in (specials, of_all_exponents(3), near_the_ends(4)):
+        normal = np.where(is_subnormal(d), np.uint32(0x3F800000), d)
+        whole = expanded(Opcode.FDIV, a, normal)
+        assert np.array_equal(by_halves(a, normal, by_normal_divisors), whole)
+
+
+ROOT = """dfg "by_root"
+%0 = live_in "a"
+%1 = live_in "d"
+%2 = sqrt %1
+%3 = fdiv %0, %2
+%4 = live_out "%v" %3
+"""
+
+
+def test_quotients_by_a_root_have_the_same_words() -> None:
+    dfg = expand_math(parse(ROOT))
+    [result] = [edge.src for edge in dfg.edges if edge.dst == 4]
+    grids = np.meshgrid(np.asarray(SPECIALS, np.uint32), np.asarray(SPECIALS, np.uint32))
+    a, d = (
+        np.concatenate(both)
+        for both in zip((grids[0].ravel(), grids[1].ravel()), of_all_exponents(5), strict=True)
+    )
+    root = expanded(Opcode.SQRT, d)
+    whole = expanded(Opcode.FDIV, a, root)
+    assert np.array_equal(evaluate_many(dfg, result, {0: a, 1: d}), whole)
 
 
 @pytest.mark.parametrize("divisor", [0x3F7FFFFF, 0x3F7FFFFD, 0x3F7FFFFB, 0x3F7FFFF9])
@@ -181,18 +253,22 @@ def test_the_hardest_quotients_by_halves(divisor: int) -> None:
     dividends = hardest(divisor & 0x7FFFFF | 0x800000)
     a = np.array([word_of(float(dividend)) for dividend in dividends], np.uint32)
     d = np.full(len(a), divisor, np.uint32)
-    assert np.array_equal(by_halves(a, d), by_semantics(Opcode.FDIV, a, d))
+    for way in HALVES:
+        assert np.array_equal(by_halves(a, d, way), by_semantics(Opcode.FDIV, a, d))
 
 
 @pytest.mark.slow
-def test_halves_have_the_words_of_the_whole_in_a_dense_sweep() -> None:
+@pytest.mark.parametrize("way", HALVES)
+def test_halves_have_the_words_of_the_whole_in_a_dense_sweep(
+    way: Callable[..., np.ndarray],
+) -> None:
     """Every mantissa of a divisor, too: the preparation is wrong for none."""
     for seed in range(16):
         for a, d in (of_all_exponents(seed), near_the_ends(seed)):
-            assert np.array_equal(by_halves(a, d), expanded(Opcode.FDIV, a, d))
-    mantissas = np.arange(0x3F800000, 0x40000000, dtype=np.uint32)
-    a = random_words(len(mantissas), 7)
-    assert np.array_equal(by_halves(a, mantissas), expanded(Opcode.FDIV, a, mantissas))
+            assert np.array_equal(by_halves(a, d, way), expanded(Opcode.FDIV, a, d))
+    a = random_words(len(MANTISSAS), 7)
+    whole = expanded(Opcode.FDIV, a, MANTISSAS)
+    assert np.array_equal(by_halves(a, MANTISSAS, way), whole)
 
 
 TWO_QUOTIENTS = """dfg "two"
@@ -219,10 +295,9 @@ def test_every_divisor_is_correctly_rounded_by_two_corrections() -> None:
     """The reciprocal's relative error times the last residual, half an ulp and 2**-20 of one at
     most, must stay below 1/(2d) ulp; where it does not, the dividends of that distance are tried.
     """
-    mantissas = np.arange(0x3F800000, 0x40000000, dtype=np.uint32)
-    d = mantissas.view(np.float32).astype(np.float64)
-    reach = np.abs(1 - d * reciprocal(mantissas, cubic=True)) * d * 2**23  # in units of 1/(2d) ulp
-    hard = mantissas[reach >= 1 - 2.0**-19]
+    d = MANTISSAS.view(np.float32).astype(np.float64)
+    reach = np.abs(1 - d * reciprocal(MANTISSAS, cubic=True)) * d * 2**23  # in units of 1/(2d) ulp
+    hard = MANTISSAS[reach >= 1 - 2.0**-19]
     assert len(hard) == HARD_DIVISORS
     assert reach.max() < 2  # only distance 1 is in reach: distances are integers
     for word in hard.tolist():
@@ -240,19 +315,45 @@ def test_every_divisor_is_correctly_rounded_by_one_step() -> None:
     before it is rounded, and one and a half after, so that one step brings it to the nearest
     number. Of the other divisors all dividends are tried that are near enough to be more.
     """
-    mantissas = np.arange(0x3F800000, 0x40000000, dtype=np.uint32)
-    d = mantissas.view(np.float32).astype(np.float64)
-    reach = np.abs(1 - d * reciprocal(mantissas, cubic=False)) * 2**24
+    d = MANTISSAS.view(np.float32).astype(np.float64)
+    reach = np.abs(1 - d * reciprocal(MANTISSAS, cubic=False)) * 2**24
     beyond = reach > 1
     assert beyond.sum() == BEYOND
     assert reach.max() < 1 + NEAR
-    for word in mantissas[beyond].tolist():
+    for word in MANTISSAS[beyond].tolist():
         divisor = np.array([word], np.uint32)
         nearest = word - np.arange(int(2**24 * 2 * NEAR), dtype=np.uint32)
         a = np.concatenate([nearest, nearest + np.uint32(1 << 10)])
         exact = (a.view(np.float32) / divisor.view(np.float32)).view(np.uint32)
         divisors = np.full(len(a), word, np.uint32)
-        assert np.array_equal(expanded(Opcode.FDIV, a, divisors, straight=True), exact)
+        assert np.array_equal(expanded(Opcode.FDIV, a, divisors, straight=True, late=True), exact)
+        assert np.array_equal(by_halves(a, divisors, soon), exact)
+
+
+@pytest.mark.slow
+def test_the_estimate_is_never_too_high() -> None:
+    """By more than its roundings, so that a product with it is in the quotient's binade, where it
+    is rounded by half a unit at most, unless the quotient is as near to the next one as those of
+    `test_quotients_beside_one`. The Newton step leaves the square of what it is too low by.
+    """
+    d = MANTISSAS.view(np.float32)
+    y = (np.uint32(RECIPROCAL_MAGIC) - MANTISSAS).view(np.float32)
+    error = fma(-d, y, np.ones(1, np.float32))
+    first = fma(y, error, y)
+    low = 1 - d.astype(np.float64) * fma(first, error * error, first)
+    assert low.min() > -(2.0**-23)
+    assert low.max() < ESTIMATE_ERROR
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("units", [-2, -1, 1, 2, 3, 4])
+def test_quotients_beside_one(units: int) -> None:
+    """By dividends so many units below their divisor."""
+    d = MANTISSAS[4:-4]
+    a = d - np.int32(units).view(np.uint32)
+    exact = (a.view(np.float32) / d.view(np.float32)).view(np.uint32)
+    assert np.array_equal(expanded(Opcode.FDIV, a, d, straight=True), exact)
+    assert np.array_equal(by_halves(a, d, soon), exact)
 
 
 @pytest.mark.slow
@@ -260,7 +361,8 @@ def test_a_dense_sweep_equals_numpy() -> None:
     for seed in range(8):
         a, d = random_words(1 << 20, 2 * seed), random_words(1 << 20, 2 * seed + 1)
         ours = expanded(Opcode.FDIV, a, d)
-        assert np.array_equal(ours, expanded(Opcode.FDIV, a, d, straight=True))
+        for way in WAYS:
+            assert np.array_equal(ours, expanded(Opcode.FDIV, a, d, **way))
         with np.errstate(all="ignore"):
             quotient = a.view(np.float32) / d.view(np.float32)
         exact = np.where(np.isnan(quotient), np.uint32(0x7FC00000), quotient.view(np.uint32))

@@ -156,16 +156,26 @@ UNARY = """dfg "{op}"
 STRAIGHT = """dfg "{op}"
 %2 = live_in "a"
 %3 = live_in "b"
-%4 = {op} {operands}
+%6 = const 0x3f800000
+{before}%4 = {op} {operands}
 %5 = live_out "%v" %4
 """
 
 
-def graph(op: Opcode, count: int = 0, *, straight: bool = False) -> DFG:
-    """x[i] = op(x[i]), or op(x[i], x[i + count]), for `count` words; or straight code."""
+LATE = 13
+"""The first operand of straight code where that comes late, through products with 1."""
+
+
+def graph(op: Opcode, count: int = 0, *, straight: bool = False, late: bool = False) -> DFG:
+    """x[i] = op(x[i]), or op(x[i], x[i + count]), for `count` words; or straight code, whose first
+    operand may come late.
+    """
     if straight:
-        operands = ", ".join(("%2", "%3")[: OPCODES[op].arity])
-        return parse(STRAIGHT.format(op=op.value, operands=operands))
+        products = zip((2, *range(7, LATE)), range(7, LATE + 1), strict=True)
+        before = "".join(f"%{n} = fmul %{one}, %6\n" for one, n in products) if late else ""
+        operands = [f"%{LATE}" if late else "%2", "%3"][: OPCODES[op].arity]
+        text = STRAIGHT.format(op=op.value, before=before, operands=", ".join(operands))
+        return parse(text)
     text = BINARY if OPCODES[op].arity > 1 else UNARY
     return parse(text.format(op=op.value, offset=4 * count))
 
@@ -178,9 +188,11 @@ def interpreted(op: Opcode, *operands: np.ndarray) -> np.ndarray:
     return memory[:count]
 
 
-def expanded(op: Opcode, *operands: np.ndarray, straight: bool = False) -> np.ndarray:
+def expanded(
+    op: Opcode, *operands: np.ndarray, straight: bool = False, late: bool = False
+) -> np.ndarray:
     """Words of the expanded operation in numpy."""
-    dfg = expand_math(graph(op, len(operands[0]), straight=straight))
+    dfg = expand_math(graph(op, len(operands[0]), straight=straight, late=late))
     port = 0 if straight else 1
     [result] = [edge.src for edge in dfg.edges if edge.dst == 5 and edge.port == port]
     return evaluate_many(dfg, result, dict(zip((2, 3), operands, strict=False)))

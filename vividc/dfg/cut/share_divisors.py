@@ -10,12 +10,20 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from enum import Enum
 from functools import cached_property
 from typing import Final
 
 import networkx as nx
 
-from vividc.dfg.expand.divide import Divisor, prepared, quotient_by
+from vividc.dfg.expand.divide import (
+    Divisor,
+    SoonDivisor,
+    prepared,
+    prepared_soon,
+    quotient_by,
+    quotient_soon_by,
+)
 from vividc.machine.opcodes import OPCODES, Opcode, Type
 from vividc.ssa.edit import FreshIds
 from vividc.ssa.flow import find_loops, pipelined_loops
@@ -25,10 +33,14 @@ from vividc.ssa.rewrite.hoist import hoist_invariants
 _IN_ITERATION: Final = 2
 """Divisions by one divisor in an iteration: each saves 35 of 46 operations, the first costs 24."""
 
-_IN_STRAIGHT: Final = 4
-"""Divisions in a straight region by divisors that are prepared elsewhere: fewer are done before
-what is left of one is (21 cycles from the dividend, 30 behind a preparation). What is prepared in
-the region itself takes 71 cycles from the divisor instead of 42 (cholesky: 280 instead of 200).
+_SHORT: Final = 10
+"""Instructions of a loop with one division whose 21 operations instead of 11 are free, as 16 PEs
+have room for them twice, while its first quotient is there 12 cycles sooner.
+"""
+
+_AT_ONCE: Final = 4
+"""Divisions outside all loops, where their divisors are prepared too: fewer are done as soon one by
+one, each by a divisor that may be there last (37 cycles from it instead of 43).
 """
 
 _BESIDE: Final = 4
@@ -42,19 +54,30 @@ def share_divisors(function: Function) -> Function:
     Bit for bit as `expand.divide.divide`. Divisions on a recurrence that would take longer stay,
     and those by constants.
     """
-    shared = _Sharing(function).shared()
+    sharing = _Sharing(function)
+    shared = sharing.shared()
     if not shared:
         return function
     fresh = FreshIds(function)
-    blocks = tuple(
-        _rewritten(block, shared, fresh) if any(i.id in shared for i in block.instrs) else block
+    blocks = [
+        _rewritten(block, shared, sharing, fresh)
+        if any(i.id in shared for i in block.instrs)
+        else block
         for block in function.blocks
-    )
-    return hoist_invariants(replace(function, blocks=blocks))
+    ]
+    return hoist_invariants(replace(function, blocks=tuple(blocks)))
+
+
+class _Way(Enum):
+    """How a division is written in halves."""
+
+    IN_LOOP = "both in a loop, in few operations"
+    PREPARED = "the divisor in straight code, soon; the quotient in a loop"
+    SOON = "both soon"
 
 
 class _Sharing:
-    """Which divisions of a function share their divisor with others."""
+    """Which divisions of a function share their divisor with others, and how."""
 
     def __init__(self, function: Function) -> None:
         self._function = function
@@ -64,22 +87,38 @@ class _Sharing:
         for header, blocks in self._loops.items():
             self._home |= dict.fromkeys(blocks, header)
 
-    def shared(self) -> set[int]:
+    def shared(self) -> dict[int, _Way]:
         """Ids of the divisions."""
         divisions = [*self._divisions()]
         together = Counter((home, instr.operands[1]) for home, instr in divisions)
         fixed = {instr.id for home, instr in divisions if self._is_fixed(home, instr)}
         crowds = Counter(home for home, instr in divisions if instr.id in fixed)
         waiting = {i for home in {home for home, _ in divisions} for i in self._waiting(home)}
-        shared: set[int] = set()
+        shared: dict[int, _Way] = {}
         for home, instr in divisions:
+            is_fixed = instr.id in fixed
             if home in self._loops:
-                pays = instr.id in fixed or together[home, instr.operands[1]] >= _IN_ITERATION
+                pays = is_fixed or together[home, instr.operands[1]] >= _IN_ITERATION
+                way = self._way_in_loop(home) if is_fixed else _Way.IN_LOOP
             else:
-                pays = instr.id in fixed and crowds[home] >= _IN_STRAIGHT
+                least = 1 if home in self._around else _AT_ONCE
+                pays = is_fixed and crowds[home] >= least
+                way = _Way.SOON
             if pays and instr.id not in waiting:
-                shared.add(instr.id)
+                shared[instr.id] = way
         return shared
+
+    def _way_in_loop(self, header: str) -> _Way:
+        instrs = [i for name in self._loops[header] for i in self._function.by_name[name].instrs]
+        is_one = sum(instr.op is Opcode.FDIV for instr in instrs) == 1
+        return _Way.SOON if is_one and len(instrs) <= _SHORT else _Way.PREPARED
+
+    def is_root(self, divisor: Value) -> bool:
+        """Whether it is one, which cannot be subnormal."""
+        if not isinstance(divisor, Ref):
+            return False
+        found = self._function.definitions[divisor.id]
+        return isinstance(found, Instr) and found.op is Opcode.SQRT
 
     def _divisions(self) -> Iterator[tuple[str, Instr]]:
         """Those by no constant, each with the region that it is in."""
@@ -111,7 +150,7 @@ class _Sharing:
         """Ids of what is on a recurrence of a loop and would make it longer in halves.
 
         A recurrence is not made longer than another that finds the divisor by a division of its
-        own, which takes 42 cycles, if its one division (30 from the dividend) has few operations
+        own, which takes 37 cycles, if its one division (30 from the dividend) has few operations
         beside it.
         """
         parts = [part for part in self._recurrences(home) if len(part) > 1]
@@ -143,19 +182,31 @@ class _Sharing:
         yield from nx.strongly_connected_components(graph)
 
 
-def _rewritten(block: Block, shared: set[int], fresh: FreshIds) -> Block:
+def _rewritten(
+    block: Block, shared: Mapping[int, _Way], sharing: _Sharing, fresh: FreshIds
+) -> Block:
     """The block with these divisions in halves; each divisor is prepared where it is first met."""
     known: dict[Value, Divisor[Value]] = {}
+    soon: dict[Value, SoonDivisor[Value]] = {}
     instrs: list[Instr] = []
     for instr in block.instrs:
-        if instr.id not in shared:
+        way = shared.get(instr.id)
+        if way is None:
             instrs.append(instr)
             continue
         emit = _Emitter(instr, fresh, instrs)
         dividend, divisor = instr.operands
-        if divisor not in known:
-            known[divisor] = prepared(emit, divisor)
-        quotient_by(emit, dividend, known[divisor])
+        normal = sharing.is_root(divisor)
+        if way is _Way.SOON:
+            if divisor not in soon:
+                soon[divisor] = prepared_soon(emit, divisor, normal=normal)
+            quotient_soon_by(emit, dividend, soon[divisor])
+        else:
+            if divisor not in known and way is _Way.PREPARED:
+                known[divisor] = prepared_soon(emit, divisor, exact=True, normal=normal)
+            elif divisor not in known:
+                known[divisor] = prepared(emit, divisor)
+            quotient_by(emit, dividend, known[divisor])
         instrs[-1] = replace(instrs[-1], id=instr.id, type=instr.type)
     return replace(block, instrs=tuple(instrs))
 

@@ -30,6 +30,8 @@ class Builder:
         magnitude: float = math.inf,
         *,
         latency_binds: bool = False,
+        divisor_is_last: bool = False,
+        has_normal_divisor: bool = False,
     ) -> None:
         self._rewrite = rewrite
         self._loc, self._lane = node.loc, node.lane
@@ -37,6 +39,10 @@ class Builder:
         """What the magnitude of a finite first operand cannot exceed."""
         self.latency_binds = latency_binds
         """Whether fewer cycles are worth more operations."""
+        self.divisor_is_last = divisor_is_last
+        """Whether a quotient waits for its divisor rather than for its dividend."""
+        self.has_normal_divisor = has_normal_divisor
+        """Whether a divisor is known not to be subnormal."""
 
     def op(self, opcode: Opcode, *operands: Value | int, pred: Value | None = None) -> Value:
         """A new operation; an int operand is the word of a constant. Where `pred` is 0 the last

@@ -19,7 +19,7 @@ from vividc.dfg.expand.builder import (
 from vividc.dfg.passes.rewrite import Value
 from vividc.machine.division import Emit, V
 from vividc.machine.opcodes import Opcode
-from vividc.machine.words import float_of, word_of
+from vividc.machine.words import WORD_MASK, float_of, word_of
 
 # Subtracting a number's bits negates its exponent and makes a chord of 1/m of its mantissa; this
 # constant balances the chord's error to +-5.06 % on all of [1, 2).
@@ -40,15 +40,18 @@ SMALLEST_SCALE: Final = 0x00400000  # 2**-127, the inverse of the largest
 MINUS_ZERO: Final = SIGN
 LIFT: Final = 48
 LIFTED: Final = 127 + LIFT << EXPONENT_SHIFT  # 2**LIFT
+_LIFT: Final = LIFT << EXPONENT_SHIFT  # of an exponent
+_CONVERTED: Final = SUBNORMAL_EXPONENT << EXPONENT_SHIFT
 UP: Final = 0x5F800000  # 2**64
 DOWN: Final = 0x1F800000  # 2**-64
-_MINUS_LIMIT: Final = -EXPONENT_LIMIT & 0xFFFFFFFF
+_MINUS_LIMIT: Final = -EXPONENT_LIMIT & WORD_MASK
 
 
 def divide(b: Builder, dividend: Value, divisor: Value) -> Value:
-    """dividend / divisor: in 52 operations that take 42 cycles from the divisor and 21 from the
-    dividend where latency binds, else in 46 that take 61 and 36, with the same words; in fewer for
-    most constant divisors (`quotient_by_constant`).
+    """dividend / divisor: where latency binds in 52 operations, that take 37 cycles from the
+    divisor and 25 from the dividend if the divisor is there last, else 43 and 18; elsewhere in 46
+    that take 61 and 36; with the same words. In fewer for most constant divisors
+    (`quotient_by_constant`).
 
     Correctly rounded (IEEE 754 round to nearest even) wherever the result is normal, infinite, zero
     or NaN; a subnormal result is rounded twice and has an error of at most 0.75 ulp. Nothing is
@@ -58,21 +61,30 @@ def divide(b: Builder, dividend: Value, divisor: Value) -> Value:
     by_constant = None if word is None else quotient_by_constant(b, dividend, word)
     if by_constant is not None:
         return by_constant
-    return (_divide_soon if b.latency_binds else _divide_cheaply)(b, dividend, divisor)
+    if not b.latency_binds:
+        return _divide_cheaply(b, dividend, divisor)
+    if b.divisor_is_last:
+        return _divide_late(b, dividend, divisor)
+    known = prepared_soon(b.op, divisor, normal=b.has_normal_divisor)
+    return quotient_soon_by(b.op, dividend, known)
 
 
-def _divide_soon(b: Builder, dividend: Value, divisor: Value) -> Value:
-    """The quotient on a short path.
+def _divide_late(b: Builder, dividend: Value, divisor: Value) -> Value:
+    """The quotient on a short path from the divisor.
 
-    The magnitudes' mantissas are divided: an estimate of the reciprocal by an integer subtraction,
-    a product of a geometric series and a Newton step (`_reciprocal`), and a quotient that is less
-    than one and a half units in the last place off. Its exact residual, compared with half a unit
-    times the divisor, tells whether it is the nearest number or which neighbour is. Nothing of that
-    waits for exponents and signs, which are scales: one is added to the quotient's bits, and the
-    last FMA multiplies by the other. Only that can round, overflow or underflow.
+    The magnitudes' mantissas are divided: an estimate of the reciprocal by an integer subtraction
+    and a product of a geometric series, and a quotient that is less than one and a half units in
+    the last place off, by a Newton step from the product with it: before that it is rounded by half
+    a unit at most, as the estimate is never too high by more than its own roundings. Its exact
+    residual, compared with half a unit times the divisor, tells whether it is the nearest number or
+    which neighbour is. Nothing of that waits for exponents and signs, which are scales: one is
+    added to the quotient's bits, and the last FMA multiplies by the other. Only that can round,
+    overflow or underflow.
     """
-    a, d = _unpacked(b, dividend), _unpacked(b, divisor)
-    near = b.op(Opcode.FMUL, a.mantissa, _reciprocal(b, d.mantissa))
+    a, d = _unpacked(b, dividend), _unpacked(b, divisor, b.has_normal_divisor)
+    y = _estimate(b.op, d.mantissa, d.fraction)
+    near = b.op(Opcode.FMUL, a.mantissa, y)
+    near = b.op(Opcode.FMA, near, b.op(Opcode.FNMA, d.mantissa, y, ONE), near)
     rest = b.op(Opcode.FNMA, d.mantissa, near, a.mantissa)
     first, second = _scales(b, b.op(Opcode.SUB, a.exponent, d.exponent))
     half = _half_ulp(b, a.mantissa, d.mantissa)
@@ -96,7 +108,7 @@ def _divide_cheaply(b: Builder, dividend: Value, divisor: Value) -> Value:
     d, exponent_d, small_d, finite_d = _signed_parts(b, divisor)
     # The fields differ by less than 2**31.
     exponent = b.op(Opcode.ASHR, b.op(Opcode.SUB, exponent_a, exponent_d), EXPONENT_SHIFT)
-    exponent = b.op(Opcode.ADD, -SUBNORMAL_BITS & 0xFFFFFFFF, exponent, pred=small_a)
+    exponent = b.op(Opcode.ADD, -SUBNORMAL_BITS & WORD_MASK, exponent, pred=small_a)
     exponent = b.op(Opcode.ADD, SUBNORMAL_BITS, exponent, pred=small_d)
     first, second = _scales(b, exponent)
     scaled = b.op(Opcode.FMUL, b.op(Opcode.ADD, _corrected_quotient(b, a, d), first), second)
@@ -187,24 +199,99 @@ class Divisor(Generic[V]):
     small_scale: V
 
 
+@dataclass(frozen=True, slots=True)
+class SoonDivisor(Divisor[V]):
+    """What `quotient_soon_by` needs beside it.
+
+    Attributes
+    ----------
+    lifted_inverse
+        2**LIFT / m, where `small_scale` is not 0.
+    half
+        The magnitude of m times half a unit in the last place of 1, as bits to which an exponent is
+        added.
+    """
+
+    lifted_inverse: V
+    half: V
+
+
 def prepared(emit: Emit[V], divisor: V) -> Divisor[V]:
     """A divisor for `quotient_by`, in 24 operations that take 41 cycles."""
     magnitude = emit(Opcode.FABS, divisor)
     small = emit(Opcode.ICMP_ULT, magnitude, SMALLEST_NORMAL)
     normal = emit(Opcode.SELECT, small, emit(Opcode.FMUL, SUBNORMAL_SCALE, divisor), divisor)
-    finite = emit(Opcode.ICMP_ULT, emit(Opcode.SUB, magnitude, 1), FINITE_NONZERO)
     exponent = emit(Opcode.AND, normal, EXPONENT)
     mantissa = emit(Opcode.ADD, emit(Opcode.SUB, normal, exponent), ONE)
-    inverse = _exact_reciprocal(emit, mantissa)
-    lift = LIFT << EXPONENT_SHIFT
-    lifted = SCALES - lift + (SUBNORMAL_BITS << EXPONENT_SHIFT)
-    scales = emit(Opcode.SELECT, small, lifted, SCALES - lift)
+    raised = SCALES - _LIFT + (SUBNORMAL_BITS << EXPONENT_SHIFT)
+    lifted = emit(Opcode.SELECT, small, raised, SCALES - _LIFT)
+    finite = emit(Opcode.ICMP_ULT, emit(Opcode.SUB, magnitude, 1), FINITE_NONZERO)
     return Divisor(
         emit(Opcode.SELECT, finite, mantissa, divisor),
-        emit(Opcode.SELECT, finite, inverse, emit(Opcode.SUB, EXPONENT, divisor)),
-        emit(Opcode.SMAX, emit(Opcode.SUB, SCALES, exponent), SMALLEST_SCALE),
-        emit(Opcode.SMAX, emit(Opcode.SUB, scales, exponent), 0),
+        _or_special(emit, finite, _exact_reciprocal(emit, mantissa), divisor),
+        *_inverse_scales(emit, exponent, SCALES, lifted),
     )
+
+
+def prepared_soon(
+    emit: Emit[V], divisor: V, *, exact: bool = False, normal: bool = False
+) -> SoonDivisor[V]:
+    """As `prepared`, in 31 operations that take 27 cycles, for `quotient_soon_by`.
+
+    Parameters
+    ----------
+    exact
+        For `quotient_by` too: 4 cycles more.
+    normal
+        It cannot be subnormal, as roots cannot: 4 operations and 3 cycles less.
+    """
+    number = magnitude = emit(Opcode.FABS, divisor)
+    finite = emit(Opcode.ICMP_ULT, emit(Opcode.SUB, magnitude, 1), FINITE_NONZERO)
+    scales: V | int = SCALES
+    if normal:
+        lifted = emit(Opcode.SELECT, finite, SCALES - _LIFT, 0)
+    else:
+        small = emit(Opcode.ICMP_ULT, magnitude, SMALLEST_NORMAL)
+        number = emit(Opcode.SELECT, small, emit(Opcode.SITOFP, magnitude), magnitude)
+        scales = emit(Opcode.SELECT, small, SCALES + ONE & WORD_MASK, SCALES)
+        raised = SCALES - _LIFT - _CONVERTED & WORD_MASK
+        lifted = emit(Opcode.SELECT, small, raised, SCALES - _LIFT)
+    exponent = emit(Opcode.AND, number, EXPONENT)
+    fraction = emit(Opcode.AND, number, MANTISSA)
+    mantissa = emit(Opcode.OR, fraction, ONE)
+    sign = emit(Opcode.AND, divisor, SIGN)
+    inverse = _signed_reciprocal(emit, mantissa, fraction, sign, is_exact=exact)
+    return SoonDivisor(
+        emit(Opcode.SELECT, finite, emit(Opcode.OR, mantissa, sign), divisor),
+        _or_special(emit, finite, inverse, divisor),
+        *_inverse_scales(emit, exponent, scales, lifted),
+        emit(Opcode.ADD, inverse, _LIFT),
+        emit(Opcode.SUB, mantissa, ONE + HALF_ULP),
+    )
+
+
+def _or_special(emit: Emit[V], finite: V, inverse: V, divisor: V) -> V:
+    """An inverse, or what takes its place as in `_special`."""
+    return emit(Opcode.SELECT, finite, inverse, emit(Opcode.SUB, EXPONENT, divisor))
+
+
+def _inverse_scales(emit: Emit[V], exponent: V, scales: V | int, lifted: V | int) -> tuple[V, V]:
+    return (
+        emit(Opcode.SMAX, emit(Opcode.SUB, scales, exponent), SMALLEST_SCALE),
+        emit(Opcode.SMAX, emit(Opcode.SUB, lifted, exponent), 0),
+    )
+
+
+def _signed_reciprocal(emit: Emit[V], d: V, fraction: V, sign: V, *, is_exact: bool) -> V:
+    """1 / d for a magnitude in [1, 2), with this sign: as near as one step needs, or two
+    corrections of a quotient.
+    """
+    y = _estimate(emit, d, fraction)
+    error = emit(Opcode.FNMA, d, y, ONE)
+    if is_exact:
+        error = emit(Opcode.FMA, error, error, error)
+    y = emit(Opcode.OR, y, sign)
+    return emit(Opcode.FMA, y, error, y)
 
 
 def quotient_by(emit: Emit[V], dividend: V, divisor: Divisor[V]) -> V:
@@ -215,16 +302,14 @@ def quotient_by(emit: Emit[V], dividend: V, divisor: Divisor[V]) -> V:
     round again, overflow or underflow. Residuals are exact where the dividend is at least 2**-102:
     one below 2**(-e - LIFT) is lifted by 2**LIFT, and where e is so large that others are smaller
     yet, their quotients vanish. So do those of lifted ones where `small_scale` is 0, as e > 78.
-    Where d is subnormal, `scale` is 2**-24 of what it should be, but the quotients by d of what is
+    Where d is subnormal, `scale` is not what it should be, but the quotients by d of what is
     not lifted overflow all the same; and what overflows as it is lifted does so as a quotient.
 
     Of zero, infinity and NaN, among dividends and divisors, the first residual is 0 or NaN, and the
     product with the inverse stands. The last operation is an FMA, so that no sum takes it in.
     """
-    magnitude = emit(Opcode.FABS, dividend)
-    small = emit(Opcode.FCMP_OLT, magnitude, divisor.small_scale)
+    small = emit(Opcode.FCMP_OLT, emit(Opcode.FABS, dividend), divisor.small_scale)
     near = emit(Opcode.SELECT, small, emit(Opcode.FMUL, LIFTED, dividend), dividend)
-    scale = emit(Opcode.SELECT, small, divisor.small_scale, divisor.scale)
     value = emit(Opcode.FMUL, near, divisor.inverse)
     rest = emit(Opcode.FNMA, value, divisor.mantissa, near)
     inexact = emit(Opcode.FCMP_ONE, rest, 0)
@@ -233,7 +318,34 @@ def quotient_by(emit: Emit[V], dividend: V, divisor: Divisor[V]) -> V:
         value = emit(Opcode.SELECT, inexact, corrected, value)
         if not last:
             rest = emit(Opcode.FNMA, value, divisor.mantissa, near)
+    scale = emit(Opcode.SELECT, small, divisor.small_scale, divisor.scale)
     return emit(Opcode.FMA, value, scale, MINUS_ZERO)
+
+
+def quotient_soon_by(emit: Emit[V], dividend: V, divisor: SoonDivisor[V]) -> V:
+    """As `quotient_by`, in 21 operations that take 18 cycles from the dividend.
+
+    The product of the dividend's magnitude and the inverse, one of which is lifted, goes one step
+    up or down, as in `_divide_late`. The half of its last place is told by its own exponent, or
+    downwards by that of the number below. Of a zero that would be a negative number, so that zero
+    would step up. What is smaller than a residual can tell vanishes as a quotient, and a step
+    further.
+    """
+    magnitude = emit(Opcode.FABS, dividend)
+    small = emit(Opcode.FCMP_OLT, magnitude, divisor.small_scale)
+    inverse = emit(Opcode.SELECT, small, divisor.lifted_inverse, divisor.inverse)
+    near = emit(Opcode.FMUL, magnitude, inverse)
+    a = emit(Opcode.SELECT, small, emit(Opcode.FMUL, LIFTED, magnitude), magnitude)
+    rest = emit(Opcode.FNMA, near, divisor.mantissa, a)
+    up = emit(Opcode.ADD, emit(Opcode.AND, near, EXPONENT), divisor.half)
+    under = emit(Opcode.AND, emit(Opcode.SUB, near, 1), EXPONENT)
+    down = emit(Opcode.ADD, under, emit(Opcode.FNEG, divisor.half))
+    above = emit(Opcode.FCMP_OLE, emit(Opcode.SMAX, up, 1), rest)
+    below = emit(Opcode.FCMP_OLE, rest, down)
+    stepped = emit(Opcode.SUB, emit(Opcode.ADD, near, above), below)
+    scale = emit(Opcode.SELECT, small, divisor.small_scale, divisor.scale)
+    signed = emit(Opcode.OR, scale, emit(Opcode.AND, dividend, SIGN))
+    return emit(Opcode.FMA, stepped, signed, MINUS_ZERO)
 
 
 def quotient(b: Builder, dividend: Value, divisor: Value) -> Value:
@@ -250,14 +362,18 @@ def reciprocal_estimate(b: Builder, divisor: Value) -> Value:
     return _estimate(b.op, divisor)
 
 
-def _estimate(emit: Emit[V], divisor: V) -> V:
-    """1 / divisor to 6.7e-6.
+def _estimate(emit: Emit[V], divisor: V, fraction: V | None = None) -> V:
+    """1 / divisor to 6.7e-6; of a mantissa in [1, 2), whose bits after the point may be there
+    earlier.
 
     With y of an integer subtraction and e = 1 - divisor * y, it is y (1 + e) (1 + e**2), whose
     relative error is e**4 (Goldschmidt, "Applications of division by convergence", 1964): the
     square of e is there as soon as the first product is.
     """
-    y = emit(Opcode.SUB, RECIPROCAL_MAGIC, divisor)
+    if fraction is None:
+        y = emit(Opcode.SUB, RECIPROCAL_MAGIC, divisor)
+    else:
+        y = emit(Opcode.SUB, RECIPROCAL_MAGIC - ONE, fraction)
     error = emit(Opcode.FNMA, divisor, y, ONE)
     y = emit(Opcode.FMA, y, error, y)
     return emit(Opcode.FMA, y, emit(Opcode.FMUL, error, error), y)
@@ -274,22 +390,28 @@ def _exact_reciprocal(emit: Emit[V], d: V) -> V:
 
 @dataclass(frozen=True, slots=True)
 class _Unpacked:
-    """A magnitude's mantissa in [1, 2), its biased exponent, and whether it is finite and not 0."""
+    """A magnitude's mantissa in [1, 2), the bits of it after the point, its biased exponent, and
+    whether it is finite and not 0.
+    """
 
     mantissa: Value
+    fraction: Value
     exponent: Value
     finite: Value
 
 
-def _unpacked(b: Builder, x: Value) -> _Unpacked:
+def _unpacked(b: Builder, x: Value, is_normal: bool = False) -> _Unpacked:
     """A subnormal number is converted as the integer that its bits are."""
-    magnitude = b.op(Opcode.FABS, x)
-    small = b.op(Opcode.ICMP_ULT, magnitude, SMALLEST_NORMAL)
-    normal = b.op(Opcode.SITOFP, magnitude, pred=small)
-    mantissa = b.op(Opcode.OR, b.op(Opcode.AND, normal, MANTISSA), ONE)
-    exponent = b.op(Opcode.LSHR, normal, EXPONENT_SHIFT)
-    exponent = b.op(Opcode.ADD, SUBNORMAL_EXPONENT & 0xFFFFFFFF, exponent, pred=small)
-    return _Unpacked(mantissa, exponent, b.is_finite_nonzero(magnitude))
+    number = magnitude = b.op(Opcode.FABS, x)
+    if not is_normal:
+        small = b.op(Opcode.ICMP_ULT, magnitude, SMALLEST_NORMAL)
+        number = b.op(Opcode.SITOFP, magnitude, pred=small)
+    fraction = b.op(Opcode.AND, number, MANTISSA)
+    exponent = b.op(Opcode.LSHR, number, EXPONENT_SHIFT)
+    if not is_normal:
+        exponent = b.op(Opcode.ADD, SUBNORMAL_EXPONENT & WORD_MASK, exponent, pred=small)
+    mantissa = b.op(Opcode.OR, fraction, ONE)
+    return _Unpacked(mantissa, fraction, exponent, b.is_finite_nonzero(magnitude))
 
 
 def _signed_parts(b: Builder, x: Value) -> tuple[Value, Value, Value, Value]:
@@ -311,17 +433,11 @@ def _corrected_quotient(b: Builder, a: Value, d: Value) -> Value:
     return near
 
 
-def _reciprocal(b: Builder, d: Value) -> Value:
-    """1 / d for d in [1, 2), to half a unit in the last place and a thousandth."""
-    y = reciprocal_estimate(b, d)
-    return b.op(Opcode.FMA, y, b.op(Opcode.FNMA, d, y, ONE), y)
-
-
 def _half_ulp(b: Builder, a: Value, d: Value) -> Value:
     """d times half a unit in the last place of a / d, which is below 1 where a is below d."""
     half = b.op(Opcode.SUB, d, HALF_ULP)
     less = b.op(Opcode.ICMP_ULT, a, d)
-    return b.op(Opcode.ADD, -SMALLEST_NORMAL & 0xFFFFFFFF, half, pred=less)
+    return b.op(Opcode.ADD, -SMALLEST_NORMAL & WORD_MASK, half, pred=less)
 
 
 def _scales(b: Builder, exponent: Value) -> tuple[Value, Value]:

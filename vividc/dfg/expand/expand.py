@@ -27,8 +27,9 @@ from vividc.dfg.expand.builder import Builder, Expansion
 from vividc.dfg.expand.exp import exponential_in
 from vividc.dfg.expand.magnitudes import argument_magnitudes
 from vividc.dfg.ir import DFG, Node
+from vividc.dfg.order import evaluation_order
 from vividc.dfg.passes.rewrite import Rewrite, Value, to_fixpoint
-from vividc.machine.opcodes import PRED, Opcode
+from vividc.machine.opcodes import PRED, LatencyClass, Opcode
 from vividc.ssa.formats.precision import Precision, formats_of
 
 
@@ -57,20 +58,61 @@ def _expanded(dfg: DFG, expansions: Mapping[Opcode, Expansion]) -> DFG:
     if not any(node.op in expansions for node in dfg.nodes):
         return dfg
     # Before: an expanded remainder or sine no longer shows its range.
-    facts = _Facts(argument_magnitudes(dfg), latency_bound(dfg))
+    parts = waiting_parts(dfg)
+    facts = _Facts(
+        argument_magnitudes(dfg),
+        frozenset[int]().union(*parts),
+        late_divisors(dfg, parts),
+        frozenset(e.dst for e in dfg.edges if e.port == 1 and dfg.by_id[e.src].op is Opcode.SQRT),
+    )
     return to_fixpoint(dfg, lambda rewrite, node: _expand(rewrite, node, facts, expansions))
 
 
-def latency_bound(dfg: DFG) -> frozenset[int]:
-    """Nodes whose cycles count: those on a recurrence, and all of straight code."""
-    graph = nx.DiGraph((edge.src, edge.dst) for edge in dfg.edges)
-    graph.add_nodes_from(dfg.by_id)
+def waiting_parts(dfg: DFG) -> list[frozenset[int]]:
+    """Nodes whose cycles count: those of each recurrence, or all of straight code."""
     carried = any(edge.distance for edge in dfg.edges)
     if not carried and not any(node.op is Opcode.IV for node in dfg.nodes):
-        return frozenset(dfg.by_id)
+        return [frozenset(dfg.by_id)]
+    graph = nx.DiGraph((edge.src, edge.dst) for edge in dfg.edges)
     around = (part for part in nx.strongly_connected_components(graph) if len(part) > 1)
     loops = {edge.src for edge in dfg.edges if edge.src == edge.dst}
-    return frozenset(loops.union(*around))
+    return [*map(frozenset, around), *(frozenset({loop}) for loop in loops)]
+
+
+def late_divisors(dfg: DFG, parts: list[frozenset[int]]) -> frozenset[int]:
+    """Quotients in these parts that wait for their divisors rather than for their dividends. What
+    is outside its part does not hold a quotient up.
+    """
+    late: set[int] = set()
+    for part in parts:
+        ready: dict[int, int] = {}
+        for node_id in (one for one in evaluation_order(dfg) if one in part):
+            node = dfg.by_id[node_id]
+            inputs = [e for e in dfg.in_edges[node_id] if e.is_data and e.src in part]
+            at = {edge.port: 0 if edge.distance else ready[edge.src] for edge in inputs}
+            cost = _CYCLES.get(node.latency_class, 0 if node.is_source else 1)
+            ready[node_id] = max(at.values(), default=0) + cost
+            if node.op is Opcode.FDIV and at.get(0, -_NEAR) < at.get(1, -_NEAR) + _NEAR:
+                late.add(node_id)
+    return frozenset(late)
+
+
+_NEAR: Final = 8
+"""A divisor that is there at most so many cycles before its dividend is the one to wait for. By
+what `divide` takes from either these are up to 6, or 18; but a dividend that takes longer often
+begins with what a loop before ends with, which is there later than the divisor is (durbin).
+"""
+
+_CYCLES: Final = {
+    LatencyClass.FADD: 4,
+    LatencyClass.FMUL: 4,
+    LatencyClass.FMA: 4,
+    LatencyClass.IMUL: 2,
+    LatencyClass.CONVERT: 2,
+    LatencyClass.LOAD: 2,
+    LatencyClass.GENERIC: 40,
+}
+"""About what operations take on `vivid-tile`, elementary functions among them, if not one."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +121,9 @@ class _Facts:
 
     magnitudes: Mapping[int, float]
     latency_bound: frozenset[int]
+    late_divisors: frozenset[int]
+    normal_divisors: frozenset[int]
+    """Quotients by roots."""
 
 
 EXPANSIONS: Final[dict[Opcode, Expansion]] = {
@@ -116,6 +161,8 @@ def _expand(
         node,
         facts.magnitudes.get(node.id, math.inf),
         latency_binds=node.id in facts.latency_bound,
+        divisor_is_last=node.id in facts.late_divisors,
+        has_normal_divisor=node.id in facts.normal_divisors,
     )
     value = expand(builder, *operands)
     pred = rewrite.edge(node.id, PRED)
