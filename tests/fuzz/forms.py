@@ -25,11 +25,12 @@ OPTIONS = PassOptions(contract=False)
 KINDS: tuple[Kind, ...] = (
     "full unrolling",
     "unrolling",
+    "masked unrolling",
     "unroll-and-jam",
     "flattening",
     "versioning",
 )
-WITH_FACTOR = ("unrolling", "unroll-and-jam", "partial results")
+WITH_FACTOR = ("unrolling", "masked unrolling", "unroll-and-jam", "partial results")
 MOST_INSTRUCTIONS = 400
 """No further transformation of what is larger: it would take its time and show little."""
 

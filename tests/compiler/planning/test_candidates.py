@@ -17,7 +17,13 @@ from vividc.ssa.flow import find_loops
 from vividc.ssa.ir import Function
 from vividc.ssa.rewrite.tidy import tidy
 
-KINDS: tuple[Kind, ...] = ("full unrolling", "unrolling", "unroll-and-jam", "partial results")
+KINDS: tuple[Kind, ...] = (
+    "full unrolling",
+    "unrolling",
+    "masked unrolling",
+    "unroll-and-jam",
+    "partial results",
+)
 choices = st.lists(
     st.tuples(st.sampled_from(KINDS), st.integers(0, 5), st.sampled_from([2, 4])), max_size=3
 )

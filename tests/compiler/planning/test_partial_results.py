@@ -47,6 +47,50 @@ def test_what_they_compute_is_as_near_as_sums_in_order() -> None:
     assert np.allclose(there, right, rtol=1e-5)
 
 
+@vividc.kernel("void(float32[::1], float32[::1])")
+def copied(x, y):
+    """Copies of growing parts of an array, each entered anew."""
+    for k in range(len(y)):
+        for i in range(k):
+            y[i] = x[i]
+        x[k] = y[k] + np.float32(1.0)
+
+
+def test_short_loops_that_fill_no_cycle_are_unrolled_with_masks() -> None:
+    loops = vividc.LoopOptions(restructure=False)
+    plan = choose(copied.lower(), Estimator(MACHINE, PassOptions()), loops)
+    [(kind, factor)] = made(plan.stages[-1])
+    assert (kind, factor >= 2) == ("masked unrolling", True)
+    program = vividc.compile(copied, loops=loops)
+    plain = vividc.compile(copied, loops=vividc.LoopOptions(auto=False))
+    for length in range(1, 12):
+        x = np.arange(length, dtype=np.float32)
+        arguments = [(x.copy(), np.zeros(length, np.float32)) for _ in range(3)]
+        cycles = [
+            vividc.simulate(p, *a).cycles
+            for p, a in zip((program, plain), arguments[:2], strict=True)
+        ]
+        copied(*arguments[2])
+        assert all(np.array_equal(a, b) for a, b in zip(arguments[0], arguments[2], strict=True))
+    assert cycles[0] < cycles[1]
+
+
+@vividc.kernel("void(float32[:, ::1], float32[::1], float32[::1])")
+def rows(a, x, y):
+    """Sums of rows, which run together, begin with 0 and are left to what follows."""
+    for i in range(a.shape[0]):
+        y[i] = np.float32(0.0)
+        for j in range(a.shape[1]):
+            y[i] += a[i, j] * x[j]
+
+
+def test_sums_that_run_together_have_partial_results_too() -> None:
+    options = PassOptions(reassociate=True)
+    plan = choose(rows.lower(), Estimator(MACHINE, options), LoopOptions())
+    tried = [one for one in plan.decisions if one.kind == "partial results"]
+    assert any(one.after is not None for one in tried)
+
+
 def test_reassociated_loops_of_few_operations_may_fill_more_slots() -> None:
     def largest(operations: int, reassociate: bool) -> int:
         loop = RegionCost("b", "loop", Shape(18, 20, operations), 1.0, 16.0)

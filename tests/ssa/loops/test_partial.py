@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -11,9 +13,9 @@ from tests.rules import Case, cases
 from tests.ssa.support import FUNCTIONS, demand_same, loop_at
 from vividc.dfg.cut.build import build_kernel
 from vividc.ssa.check import check_function
-from vividc.ssa.flow import find_loops
+from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.ir import Function
-from vividc.ssa.loops.partial import with_partial_results
+from vividc.ssa.loops.partial import Partial, unroll_masked, with_partial_results
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 
@@ -30,14 +32,20 @@ def test_rules(case: Case) -> None:
     FUNCTIONS.check(case, run)
 
 
-@settings(max_examples=100)
-@given(programs(), st.sampled_from([2, 4, 8]), st.integers(0, 4))
+WAYS = st.sampled_from([with_partial_results, unroll_masked])
+
+
+@settings(max_examples=150)
+@given(programs(), WAYS, st.sampled_from([2, 4, 8]), st.integers(0, 4))
 def test_random_programs_mean_the_same(
-    program: tuple[object, ...], factor: int, which: int
+    program: tuple[object, ...],
+    way: Callable[[Function, Loop, int], Partial | Refusal],
+    factor: int,
+    which: int,
 ) -> None:
     before = tidy(lower(program))
     loops = find_loops(before)
-    done = with_partial_results(before, loops[which % len(loops)], factor) if loops else None
+    done = way(before, loops[which % len(loops)], factor) if loops else None
     if done is None or isinstance(done, Refusal):
         return
     for after in (done.function, tidy(done.function)):
@@ -45,11 +53,14 @@ def test_random_programs_mean_the_same(
         demand_same(before, after, tries=2)
 
 
+@pytest.mark.parametrize("way", [with_partial_results, unroll_masked])
 @pytest.mark.parametrize("factor", [2, 4])
 @pytest.mark.parametrize("count", range(10))
-def test_what_fills_no_group_is_masked(count: int, factor: int) -> None:
+def test_what_fills_no_group_is_masked(
+    count: int, factor: int, way: Callable[[Function, Loop, int], Partial | Refusal]
+) -> None:
     before = tidy(lower((For(0, 0, count, BODY), Store(0, 2))))
-    done = with_partial_results(before, find_loops(before)[0], factor)
+    done = way(before, find_loops(before)[0], factor)
     assert not isinstance(done, Refusal)
     demand_same(before, tidy(done.function), tries=2)
     loops = [r for r in build_kernel(tidy(done.function)).regions if r.kind == "loop"]

@@ -13,12 +13,13 @@ from vividc.ssa.analysis.constant_trips import constant_trips
 from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.ir import Function
 from vividc.ssa.loops.flatten.flatten import flatten, flattened_iterations, nest_at
-from vividc.ssa.loops.partial import with_partial_results
+from vividc.ssa.loops.partial import unroll_masked, with_partial_results
 from vividc.ssa.loops.threads.make import thread
 from vividc.ssa.loops.unroll import unroll
 from vividc.ssa.loops.versions import versions
 from vividc.ssa.parallel.independent import meeting_array
 from vividc.ssa.rewrite.normalize import canonical_loops
+from vividc.ssa.rewrite.number_values import merge_recurrences
 from vividc.ssa.rewrite.peel import peel
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
@@ -26,6 +27,7 @@ from vividc.ssa.rewrite.tidy import tidy
 Kind = Literal[
     "full unrolling",
     "unrolling",
+    "masked unrolling",
     "unroll-and-jam",
     "flattening",
     "threads",
@@ -103,12 +105,16 @@ def _unrolled(
     return _next(state, tidy(done.function), hints, derived, factor)
 
 
-def _with_partial_results(
-    state: State, candidate: Candidate, trips: Mapping[str, float]
-) -> State | Refusal:
-    """Runs iterations of an innermost loop as one, each with partial results of its own."""
+def _in_groups(state: State, candidate: Candidate, trips: Mapping[str, float]) -> State | Refusal:
+    """Runs iterations of an innermost loop as one, the last ones masked, perhaps each with partial
+    results of its own.
+    """
     factor, expected = candidate.factor, trips[candidate.header]
-    done = with_partial_results(state.function, state.loop(candidate.header), factor)
+    if candidate.kind == "masked unrolling":
+        done = unroll_masked(state.function, state.loop(candidate.header), factor)
+    else:
+        function = merge_recurrences(state.function)  # a sum may be there twice
+        done = with_partial_results(function, state.loop(candidate.header), factor)
     if isinstance(done, Refusal):
         return done
     is_constant = _constant(state, candidate.header)
@@ -171,7 +177,8 @@ def _versioned(state: State, header: str, trips: Mapping[str, float]) -> State |
 _MADE: Final[Mapping[Kind, Callable[[State, Candidate, Mapping[str, float]], State | Refusal]]] = {
     "interleaving": _interleaved,
     "threads": _threaded,
-    "partial results": _with_partial_results,
+    "partial results": _in_groups,
+    "masked unrolling": _in_groups,
 }
 
 

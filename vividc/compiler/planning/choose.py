@@ -36,6 +36,7 @@ from vividc.ssa.rewrite.tidy import tidy
 _OPERATIONS_PER_PE = {
     "full unrolling": 24,
     "unrolling": 12,
+    "masked unrolling": 12,
     "flattening": 24,
     "threads": 24,
     "interleaving": 24,
@@ -54,6 +55,7 @@ _GAIN_WITHOUT_LOOP = 0.8
 _GAIN = {
     "full unrolling": 0.97,
     "unrolling": 0.9,
+    "masked unrolling": 0.98,
     "flattening": 0.95,
     "threads": 0.9,
     "interleaving": 0.9,
@@ -89,8 +91,6 @@ _FACTORS = (2, 4, 8)
 
 _SHARE = 0.4
 """Of the time, for the choice."""
-
-_SHORT = "its length is unknown, and it is entered often: the rest could cost more than is gained"
 
 
 @seldom()
@@ -253,7 +253,7 @@ class _Chooser(Draft):
             if self.estimator.options.reassociate:
                 self._climb("partial results", header)
             if self.now is before:
-                self._climb("unrolling", header)
+                self._climb(self._unrolling(header), header)
 
     def _may_wait_in_vain(self, header: str) -> bool:
         """Whether a recurrence binds a loop that nothing has proved."""
@@ -417,9 +417,6 @@ class _Chooser(Draft):
         few = header in base.state.made and base.state.hints[header] < _FACTORS[-1]
         if few and kind != "partial results":
             return [], None  # what an earlier transformation left over
-        if kind == "unrolling" and self._is_short_perhaps(header):
-            self.note(base, Candidate(kind, header, _FACTORS[0]), None, _SHORT)
-            return [], None
         for factor in _FACTORS:
             stage = self._evaluate(base, Candidate(kind, header, factor))
             if stage is None:
@@ -431,13 +428,17 @@ class _Chooser(Draft):
             found.append(stage)
         return found, None
 
-    def _is_short_perhaps(self, header: str) -> bool:
-        """A loop of unknown length inside another: entered often, it pays for a remainder often."""
+    def _unrolling(self, header: str) -> Kind:
+        """Masked for a loop of unknown length inside another: entered often, it would pay for a
+        rest often.
+        """
         function = self.now.state.function
         loops = find_loops(function)
         nested = any(header in loop.blocks and header != loop.header for loop in loops)
-        loop = self.now.state.loop(header)
-        return nested and constant_trips(function, loop, MOST_ITERATIONS) is None
+        is_known = (
+            constant_trips(function, self.now.state.loop(header), MOST_ITERATIONS) is not None
+        )
+        return "masked unrolling" if nested and not is_known else "unrolling"
 
     def _try(self, candidate: Candidate) -> None:
         stage = self._evaluate(self.now, candidate)

@@ -43,6 +43,11 @@ _AT_ONCE: Final = 4
 one, each by a divisor that may be there last (37 cycles from it instead of 43).
 """
 
+_CROWD: Final = 8
+"""Divisions in a straight region, at most, that are worth 21 operations instead of 11: more fill
+the cycles that they save, and take registers (40 at the end of a tile of covariance).
+"""
+
 _BESIDE: Final = 4
 """Of a recurrence that another one hides: a division, a phi, and two operations of four cycles."""
 
@@ -71,8 +76,8 @@ def share_divisors(function: Function) -> Function:
 class _Way(Enum):
     """How a division is written in halves."""
 
-    IN_LOOP = "both in a loop, in few operations"
-    PREPARED = "the divisor in straight code, soon; the quotient in a loop"
+    IN_LOOP = "both in few operations"
+    PREPARED = "the divisor soon, the quotient in few operations"
     SOON = "both soon"
 
 
@@ -103,7 +108,7 @@ class _Sharing:
             else:
                 least = 1 if home in self._around else _AT_ONCE
                 pays = is_fixed and crowds[home] >= least
-                way = _Way.SOON
+                way = _Way.SOON if crowds[home] <= _CROWD else _Way.PREPARED
             if pays and instr.id not in waiting:
                 shared[instr.id] = way
         return shared

@@ -1,9 +1,9 @@
-"""Several iterations of a counted loop as one, each with partial results of its own.
+"""Several iterations of a counted loop as one, perhaps each with partial results of its own.
 
-What iterations add to one scalar, they add to one each here; the partial results are combined
-behind the loop, pairs first. Iterations that do not fill the last group are masked: no loop for the
-rest follows, so that short loops gain, too. Float sums are rounded otherwise than in the source's
-order.
+What iterations add to one scalar, they add to one each there; the partial results are combined
+behind the loop, pairs first. Float sums are rounded otherwise than in the source's order.
+Iterations that do not fill the last group are masked: no loop for the rest follows, so that short
+loops gain, too.
 """
 
 from __future__ import annotations
@@ -49,9 +49,23 @@ def with_partial_results(function: Function, loop: Loop, factor: int) -> Partial
 
     The loop has one preheader and one latch, and ends in its header only.
     """
+    roles = _roles(function, loop)
+    if not roles.sums:
+        return Refusal("its iterations add to no scalar")
+    return _made(function, loop, factor, roles)
+
+
+def unroll_masked(function: Function, loop: Loop, factor: int) -> Partial | Refusal:
+    """Runs `factor` iterations of an innermost loop as one, one after the other.
+
+    The loop is as for `with_partial_results`.
+    """
+    return _made(function, loop, factor, _Roles(_roles(function, loop).steps, {}))
+
+
+def _made(function: Function, loop: Loop, factor: int, roles: _Roles) -> Partial | Refusal:
     if factor < 2 or factor & (factor - 1):  # noqa: PLR2004 - copies
         return Refusal("the factor is no power of two")
-    roles = _roles(function, loop)
     if (reason := _objection(function, loop, roles)) is not None:
         return Refusal(reason)
     preheader = preheader_of(function, loop)
@@ -69,8 +83,6 @@ def _objection(function: Function, loop: Loop, roles: _Roles) -> str | None:
         return "it contains another loop"
     if len(loop.exits) != 1 or loop.exits[0][0] != loop.header:
         return "it has exits in its body"
-    if not roles.sums:
-        return "its iterations add to no scalar"
     read = _read_outside(function, loop)
     if read - {phi.id for phi in block_of(function, loop.header).phis} or read & roles.steps.keys():
         return "what its iterations count is read after it"

@@ -267,7 +267,7 @@ class _Writer:
         self.words.forget((loop.name,))
         return following, lasts
 
-    def _leave(self, outside: dict[Place, Known], unsure: set[Place]) -> None:
+    def _leave(self, outside: dict[Place, Known], unsure: list[Place]) -> None:
         """After a loop: what it has loaded only if it runs is stored, and then not known."""
         self.registers.known = outside
         for place in unsure:
@@ -277,14 +277,14 @@ class _Writer:
 
     def _carried(
         self, loop: For, accessed: Accessed, first: Value, limit: Value
-    ) -> tuple[dict[Place, Known], set[Place]]:
+    ) -> tuple[dict[Place, Known], list[Place]]:
         """What the loop carries in phis, and what is only known if it runs. Before it, stores are
         made that it may meet, what it may change is forgotten, and elements at fixed places are
         loaded.
         """
         fixed = self._fixed(loop, accessed)
         self._settle(accessed, fixed)
-        unsure = set()
+        unsure: list[Place] = []
         runs: Value | None = None
         known = self.registers.known
         for place, guard in fixed.items():
@@ -298,7 +298,7 @@ class _Writer:
                 continue
             when = self.registers.predicate(guard)
             if not any(sure.is_sure(place, guard) for sure in self._certain):
-                unsure.add(place)
+                unsure.append(place)
                 runs = runs or self.words.emit(Opcode.ICMP_SLT, first, limit)
                 when = runs if when is None else self.words.emit(Opcode.AND, runs, when)
             value = self.registers.load(accessed.loads[place], place, when)
