@@ -30,6 +30,7 @@ from vividc.dfg.expand.divide import (
 )
 from vividc.dfg.expand.expand import expand_math
 from vividc.dfg.forms.text import parse
+from vividc.dfg.interpret.interpreter import interpret_region
 from vividc.machine.division import Emit
 from vividc.machine.opcodes import Opcode
 from vividc.machine.words import float_of, word_of
@@ -246,6 +247,35 @@ def test_quotients_by_a_root_have_the_same_words() -> None:
     root = expanded(Opcode.SQRT, d)
     whole = expanded(Opcode.FDIV, a, root)
     assert np.array_equal(evaluate_many(dfg, result, {0: a, 1: d}), whole)
+
+
+MASKED_ROOT = ROOT.replace("%2 = sqrt %1", '%5 = live_in "p"\n%2 = sqrt %1 if %5')
+ROOT_BEFORE = """dfg "by_the_root_before"
+%0 = iv
+%1 = live_in "&x"
+%2 = live_in "start"
+%3 = load "x" %0 shift 2 base %1
+%4 = sqrt %5
+%5 = fdiv %3, %4@1(init=%2)
+%6 = store "x" %0, %5 shift 2 base %1 after %3
+"""
+SMALL, LARGE = 0x00012345, 0x01234567
+
+
+def test_what_is_not_always_a_root_may_be_subnormal() -> None:
+    """A masked root passes its operand on, and the first iteration divides by what it begins
+    with.
+    """
+    dfg = expand_math(parse(MASKED_ROOT))
+    [result] = [edge.src for edge in dfg.edges if edge.dst == 4]
+    a, d = np.array([LARGE], np.uint32), np.array([SMALL], np.uint32)
+    given = {0: a, 1: d, 5: np.zeros(1, np.uint32)}
+    whole = by_semantics(Opcode.FDIV, a, d)
+    assert np.array_equal(evaluate_many(dfg, result, given), whole)
+    memory = a.copy()
+    loop = expand_math(parse(ROOT_BEFORE))
+    interpret_region(loop, "loop", 1, {"&x": 0, "start": SMALL}, memory)
+    assert np.array_equal(memory, whole)
 
 
 @pytest.mark.parametrize("divisor", [0x3F7FFFFF, 0x3F7FFFFD, 0x3F7FFFFB, 0x3F7FFFF9])

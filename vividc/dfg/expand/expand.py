@@ -63,9 +63,17 @@ def _expanded(dfg: DFG, expansions: Mapping[Opcode, Expansion]) -> DFG:
         argument_magnitudes(dfg),
         frozenset[int]().union(*parts),
         late_divisors(dfg, parts),
-        frozenset(e.dst for e in dfg.edges if e.port == 1 and dfg.by_id[e.src].op is Opcode.SQRT),
+        _divided_by_roots(dfg),
     )
     return to_fixpoint(dfg, lambda rewrite, node: _expand(rewrite, node, facts, expansions))
+
+
+def _divided_by_roots(dfg: DFG) -> frozenset[int]:
+    """What takes a root as its second operand: always one, and of the same iteration."""
+    masked = {edge.dst for edge in dfg.edges if edge.port == PRED}
+    roots = {node.id for node in dfg.nodes if node.op is Opcode.SQRT} - masked
+    by = (edge for edge in dfg.edges if edge.is_data and edge.port == 1 and not edge.distance)
+    return frozenset(edge.dst for edge in by if edge.src in roots)
 
 
 def waiting_parts(dfg: DFG) -> list[frozenset[int]]:
