@@ -75,6 +75,21 @@ def test_short_loops_that_fill_no_cycle_are_unrolled_with_masks() -> None:
     assert cycles[0] < cycles[1]
 
 
+@vividc.kernel("void(float32[:, ::1], float32[::1])")
+def of_known_length(a, x):
+    for i in range(a.shape[0]):
+        for j in range(128):
+            x[j] = a[i, j]
+
+
+def test_loops_of_known_length_need_no_masks() -> None:
+    loops = vividc.LoopOptions(restructure=False)
+    plan = choose(of_known_length.lower(), Estimator(MACHINE, PassOptions()), loops)
+    kinds = {one.kind for one in plan.decisions}
+    assert "unrolling" in kinds
+    assert "masked unrolling" not in kinds
+
+
 @vividc.kernel("void(float32[:, ::1], float32[::1], float32[::1])")
 def rows(a, x, y):
     """Sums of rows, which run together, begin with 0 and are left to what follows."""

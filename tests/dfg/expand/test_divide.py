@@ -28,7 +28,7 @@ from vividc.dfg.expand.divide import (
     quotient_by,
     quotient_soon_by,
 )
-from vividc.dfg.expand.expand import expand_math
+from vividc.dfg.expand.expand import expand_math, late_divisors, waiting_parts
 from vividc.dfg.forms.text import parse
 from vividc.dfg.interpret.interpreter import interpret_region
 from vividc.machine.division import Emit
@@ -36,7 +36,7 @@ from vividc.machine.opcodes import Opcode
 from vividc.machine.words import float_of, word_of
 
 SMALLEST_NORMAL = 0x00800000
-WAYS: list[dict[str, bool]] = [{}, {"straight": True}, {"straight": True, "late": True}]
+WAYS: list[dict[str, bool]] = [{}, {"straight": True}, {"straight": True, "late_dividend": True}]
 MAX_SUBNORMAL_ULP = Fraction(3, 4)
 HARD_DIVISORS = 2
 MANTISSAS = np.arange(0x3F800000, 0x40000000, dtype=np.uint32)
@@ -140,7 +140,7 @@ def test_operations_where_latency_binds() -> None:
     assert check(after) == []
     assert len(after.operations) == 52
     assert (latency(after, 2, 5), latency(after, 3, 5)) == (25, 37)
-    after = expand_math(graph(Opcode.FDIV, straight=True, late=True))
+    after = expand_math(graph(Opcode.FDIV, straight=True, late_dividend=True))
     assert check(after) == []
     assert len(after.operations) == 7 + 52
     assert (latency(after, 13, 5), latency(after, 3, 5)) == (18, 43)
@@ -320,6 +320,52 @@ def test_latency_binds_on_a_recurrence(divisor: str, operations: int) -> None:
     assert len(after.operations) == 3 + operations + 46
 
 
+RECURRENCE = """dfg "recurrence"
+%0 = iv
+%1 = live_in "&x"
+%2 = live_in "start"
+%3 = load "x" %0 shift 2 base %1
+%4 = fadd %5@1(init=%2), %3
+%5 = fdiv {operands}
+%6 = store "x" %0, %5 shift 2 base %1 after %3
+"""
+STRAIGHT = """dfg "straight"
+%0 = live_in "a"
+%1 = live_in "d"
+%2 = fadd %0, %0
+%3 = fadd %2, %2
+%4 = fdiv {operands}
+%5 = live_out "%v" %4
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "operands", "late"),
+    [
+        (RECURRENCE, "%3, %4", True),
+        (RECURRENCE, "%4, %3", False),
+        (RECURRENCE, "%4, %4", True),
+        (RECURRENCE, "%5@1(init=%2), %4", True),
+        (RECURRENCE, "%4, %5@1(init=%2)", True),
+        (STRAIGHT, "%0, %1", True),
+        (STRAIGHT, "%0, %3", True),
+        (STRAIGHT, "%2, %1", True),  # four cycles later
+        (STRAIGHT, "%3, %1", False),  # eight
+    ],
+)
+def test_what_waits_for_its_divisor(text: str, operands: str, late: bool) -> None:
+    """What is outside a recurrence does not hold up what is on it."""
+    dfg = parse(text.format(operands=operands))
+    [divided] = [node.id for node in dfg.nodes if node.op is Opcode.FDIV]
+    assert late_divisors(dfg, waiting_parts(dfg)) == ({divided} if late else set())
+
+
+def test_a_quotient_by_a_root_is_there_sooner() -> None:
+    after = expand_math(parse(ROOT))
+    root = latency(expand_math(graph(Opcode.SQRT, straight=True)), 2, 5)
+    assert (root, latency(after, 1, 4) - root) == (35, 34)
+
+
 @pytest.mark.slow
 def test_every_divisor_is_correctly_rounded_by_two_corrections() -> None:
     """The reciprocal's relative error times the last residual, half an ulp and 2**-20 of one at
@@ -356,7 +402,9 @@ def test_every_divisor_is_correctly_rounded_by_one_step() -> None:
         a = np.concatenate([nearest, nearest + np.uint32(1 << 10)])
         exact = (a.view(np.float32) / divisor.view(np.float32)).view(np.uint32)
         divisors = np.full(len(a), word, np.uint32)
-        assert np.array_equal(expanded(Opcode.FDIV, a, divisors, straight=True, late=True), exact)
+        assert np.array_equal(
+            expanded(Opcode.FDIV, a, divisors, straight=True, late_dividend=True), exact
+        )
         assert np.array_equal(by_halves(a, divisors, soon), exact)
 
 

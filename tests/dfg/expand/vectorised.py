@@ -162,18 +162,22 @@ STRAIGHT = """dfg "{op}"
 """
 
 
-LATE = 13
+LATE_DIVIDEND = 13
 """The first operand of straight code where that comes late, through products with 1."""
 
 
-def graph(op: Opcode, count: int = 0, *, straight: bool = False, late: bool = False) -> DFG:
+def graph(
+    op: Opcode, count: int = 0, *, straight: bool = False, late_dividend: bool = False
+) -> DFG:
     """x[i] = op(x[i]), or op(x[i], x[i + count]), for `count` words; or straight code, whose first
     operand may come late.
     """
     if straight:
-        products = zip((2, *range(7, LATE)), range(7, LATE + 1), strict=True)
-        before = "".join(f"%{n} = fmul %{one}, %6\n" for one, n in products) if late else ""
-        operands = [f"%{LATE}" if late else "%2", "%3"][: OPCODES[op].arity]
+        products = zip((2, *range(7, LATE_DIVIDEND)), range(7, LATE_DIVIDEND + 1), strict=True)
+        before = (
+            "".join(f"%{n} = fmul %{one}, %6\n" for one, n in products) if late_dividend else ""
+        )
+        operands = [f"%{LATE_DIVIDEND}" if late_dividend else "%2", "%3"][: OPCODES[op].arity]
         text = STRAIGHT.format(op=op.value, before=before, operands=", ".join(operands))
         return parse(text)
     text = BINARY if OPCODES[op].arity > 1 else UNARY
@@ -189,10 +193,10 @@ def interpreted(op: Opcode, *operands: np.ndarray) -> np.ndarray:
 
 
 def expanded(
-    op: Opcode, *operands: np.ndarray, straight: bool = False, late: bool = False
+    op: Opcode, *operands: np.ndarray, straight: bool = False, late_dividend: bool = False
 ) -> np.ndarray:
     """Words of the expanded operation in numpy."""
-    dfg = expand_math(graph(op, len(operands[0]), straight=straight, late=late))
+    dfg = expand_math(graph(op, len(operands[0]), straight=straight, late_dividend=late_dividend))
     port = 0 if straight else 1
     [result] = [edge.src for edge in dfg.edges if edge.dst == 5 and edge.port == port]
     return evaluate_many(dfg, result, dict(zip((2, 3), operands, strict=False)))

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
 
+import vividc
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.interpret.interpreter import interpret
 from vividc.machine.opcodes import Opcode, Type
@@ -12,15 +15,21 @@ from vividc.machine.params import DType, Param
 from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Phi, Ref, Value
 
 MASK = 0xFFFFFFFF
+STOP = Input("stop")
+LEAST, MOST = -(2**31), 2**31 - 1
 
 
-def loop(start: Value, step: int, *, exact: bool = True) -> Function:
+def near(number: int) -> st.SearchStrategy[int]:
+    return st.integers(max(LEAST, number - 20), min(MOST, number + 20))
+
+
+def loop(start: Value, step: int, *, exact: bool = True, stop: Value = STOP) -> Function:
     """`for i in range(start, stop, step): count += 1; return count`."""
     header = (
         Phi(0, Type.I32, (("entry", start), ("body", Ref(3)))),
         Phi(1, Type.I32, (("entry", Const(0)), ("body", Ref(4)))),
     )
-    test = Instr(2, Opcode.ICMP_SLT, Type.PRED, (Ref(0), Input("stop")))
+    test = Instr(2, Opcode.ICMP_SLT, Type.PRED, (Ref(0), stop))
     body = (
         Instr(3, Opcode.ADD, Type.I32, (Ref(0), Const(step)), exact=exact),
         Instr(4, Opcode.ADD, Type.I32, (Ref(1), Const(1))),
@@ -47,6 +56,36 @@ def test_the_controller_counts_what_range_gives(start: int | str, stop: int, ste
         done = interpret(kernel, np.zeros(1, np.uint32), inputs)
         begin = runtime if isinstance(start, str) else start
         assert done.value == len(range(begin, stop, step))
+
+
+@settings(max_examples=300)
+@given(st.data(), st.sampled_from([1, 2, 4, 1 << 8, 1 << 24, 1 << 29, 1 << 30]))
+def test_ranges_may_be_wider_than_a_word_is_signed(data: st.DataObject, step: int) -> None:
+    """What a constant or an argument says, about the ends of the words and between them."""
+    start = data.draw(st.sampled_from([LEAST, -1, 0, MOST]).flatmap(near))
+    steps = data.draw(st.integers(-2, 40))
+    stop = start + steps * step + data.draw(st.integers(0, step - 1))
+    stop = min(max(stop, LEAST), MOST)
+    numbers = range(start, stop, step)
+    assume(not numbers or numbers[-1] + step <= MOST)
+    is_known, ends = data.draw(st.booleans()), data.draw(st.booleans())
+    first = Const(start & MASK) if is_known else Input("start")
+    last = Const(stop & MASK) if ends else Input("stop")
+    inputs = {"start": start & MASK, "stop": stop & MASK}
+    done = interpret(build_kernel(loop(first, step, stop=last)), np.zeros(1, np.uint32), inputs)
+    assert done.value == len(numbers)
+
+
+@vividc.kernel("void(int32[::1])")
+def of_three(x):
+    for _ in range(-(2**31), 2**30, 2**30):
+        x[0] += 1
+
+
+def test_a_wide_range_of_constants_in_a_kernel() -> None:
+    x = np.zeros(1, np.int32)
+    vividc.simulate(vividc.compile(of_three), x)
+    assert x[0] == 3
 
 
 @pytest.mark.parametrize(("step", "counted"), [(1, True), (2, False)])

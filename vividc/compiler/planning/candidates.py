@@ -13,7 +13,7 @@ from vividc.ssa.analysis.constant_trips import constant_trips
 from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.ir import Function
 from vividc.ssa.loops.flatten.flatten import flatten, flattened_iterations, nest_at
-from vividc.ssa.loops.partial import unroll_masked, with_partial_results
+from vividc.ssa.loops.grouped import unroll_masked, with_partial_results
 from vividc.ssa.loops.threads.make import thread
 from vividc.ssa.loops.unroll import unroll
 from vividc.ssa.loops.versions import versions
@@ -40,6 +40,9 @@ Kind = Literal[
 
 MOST_ITERATIONS = 64
 """Loops of more iterations are not unrolled fully."""
+
+_MOST_KNOWN = 4096
+"""Of so many iterations it is asked whether they are a loop's each time."""
 
 _APART = 0.9
 """How often accesses that a test before their loop tells apart are so."""
@@ -78,7 +81,7 @@ def apply(state: State, candidate: Candidate, trips: Mapping[str, float]) -> Sta
         return _MADE[candidate.kind](state, candidate, trips)
     if candidate.kind == "unroll-and-jam":
         return jammed(state, candidate.header, factor, trips)
-    rest = expected % factor if _constant(state, candidate.header) else (factor - 1) / 2
+    rest = expected % factor if has_known_length(state, candidate.header) else (factor - 1) / 2
     return _unrolled(state, candidate, trips, rest)
 
 
@@ -117,7 +120,7 @@ def _in_groups(state: State, candidate: Candidate, trips: Mapping[str, float]) -
         done = with_partial_results(function, state.loop(candidate.header), factor)
     if isinstance(done, Refusal):
         return done
-    is_constant = _constant(state, candidate.header)
+    is_constant = has_known_length(state, candidate.header)
     groups = math.ceil(expected / factor) if is_constant else (expected + (factor - 1) / 2) / factor
     derived = {done.main: candidate.header}
     return _next(state, tidy(done.function), {done.main: groups}, derived, factor)
@@ -143,7 +146,7 @@ def _threaded(state: State, candidate: Candidate, trips: Mapping[str, float]) ->
     count = candidate.factor
     hints = {new: trips[old] for new, old in derived.items()}
     for new, old in done.loops:
-        if new in done.free and not _constant(state, old):
+        if new in done.free and not has_known_length(state, old):
             hints[new] *= 2 * count / (count + 1)
     hints[done.main] = math.ceil(trips[candidate.header] / count)
     return _next(state, tidy(done.function), hints, derived, count)
@@ -229,8 +232,9 @@ def _around(state: State, header: str) -> str:
     return next((loop.header for loop in around if loop.header != header), header)
 
 
-def _constant(state: State, header: str) -> bool:
-    return constant_trips(state.function, state.loop(header), MOST_ITERATIONS) is not None
+def has_known_length(state: State, header: str) -> bool:
+    """Whether a loop has as many iterations each time, and that is known."""
+    return constant_trips(state.function, state.loop(header), _MOST_KNOWN) is not None
 
 
 def _size(function: Function, loop: Loop) -> int:

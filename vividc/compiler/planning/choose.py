@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 
 from vividc.compiler.planning.candidates import (
     MAY_MEET,
-    MOST_ITERATIONS,
     Candidate,
     Kind,
+    has_known_length,
 )
 from vividc.compiler.planning.demands import obey
 from vividc.compiler.planning.estimate import Estimate, Estimator
@@ -432,12 +432,9 @@ class _Chooser(Draft):
         """Masked for a loop of unknown length inside another: entered often, it would pay for a
         rest often.
         """
-        function = self.now.state.function
-        loops = find_loops(function)
+        loops = find_loops(self.now.state.function)
         nested = any(header in loop.blocks and header != loop.header for loop in loops)
-        is_known = (
-            constant_trips(function, self.now.state.loop(header), MOST_ITERATIONS) is not None
-        )
+        is_known = has_known_length(self.now.state, header)
         return "masked unrolling" if nested and not is_known else "unrolling"
 
     def _try(self, candidate: Candidate) -> None:

@@ -2,7 +2,7 @@
 
 A divisor that a loop does not change is prepared before it, and each iteration pays for the rest
 only; so do divisions by one divisor in an iteration. Others stay
-`fdiv`s, whose expansion is shorter in latency than the two halves one after the other.
+`fdiv`s, whose expansion is shorter in latency from a divisor that is there last.
 """
 
 from __future__ import annotations
@@ -31,11 +31,13 @@ from vividc.ssa.ir import Block, Const, Function, Instr, Phi, Ref, Value
 from vividc.ssa.rewrite.hoist import hoist_invariants
 
 _IN_ITERATION: Final = 2
-"""Divisions by one divisor in an iteration: each saves 35 of 46 operations, the first costs 24."""
+"""Divisions by one divisor in an iteration that changes it: each saves 35 of 46 operations, the
+first costs 24.
+"""
 
 _SHORT: Final = 10
-"""Instructions of a loop with one division whose 21 operations instead of 11 are free, as 16 PEs
-have room for them twice, while its first quotient is there 12 cycles sooner.
+"""Instructions of a loop with one division whose 20 operations instead of 11 are free, as 16 PEs
+have room for them twice, and more PEs more so, while its first quotient is there 12 cycles sooner.
 """
 
 _AT_ONCE: Final = 4
@@ -44,12 +46,15 @@ one, each by a divisor that may be there last (37 cycles from it instead of 43).
 """
 
 _CROWD: Final = 8
-"""Divisions in a straight region, at most, that are worth 21 operations instead of 11: more fill
-the cycles that they save, and take registers (40 at the end of a tile of covariance).
+"""Divisions in a straight region, at most, that are worth 20 operations instead of 11 where they
+do not wait for each other: more fill the cycles that they save, and take registers (40 at the end
+of a tile of covariance).
 """
 
-_BESIDE: Final = 4
-"""Of a recurrence that another one hides: a division, a phi, and two operations of four cycles."""
+_HIDING, _BESIDE = 3, 4
+"""Of a recurrence that hides another one at least, a division, a phi and an operation (38 cycles),
+and of that one at most, two operations of four cycles (38 with 30 of a quotient).
+"""
 
 
 def share_divisors(function: Function) -> Function:
@@ -76,7 +81,7 @@ def share_divisors(function: Function) -> Function:
 class _Way(Enum):
     """How a division is written in halves."""
 
-    IN_LOOP = "both in few operations"
+    IN_ITERATION = "both in few operations"
     PREPARED = "the divisor soon, the quotient in few operations"
     SOON = "both soon"
 
@@ -98,25 +103,43 @@ class _Sharing:
         together = Counter((home, instr.operands[1]) for home, instr in divisions)
         fixed = {instr.id for home, instr in divisions if self._is_fixed(home, instr)}
         crowds = Counter(home for home, instr in divisions if instr.id in fixed)
-        waiting = {i for home in {home for home, _ in divisions} for i in self._waiting(home)}
+        homes = dict.fromkeys(home for home, _ in divisions)
+        waiting = {ident for home in homes for ident in self._waiting(home)}
+        chained = {ident for home in homes for ident in self._chained(home)}
         shared: dict[int, _Way] = {}
         for home, instr in divisions:
-            is_fixed = instr.id in fixed
-            if home in self._loops:
-                pays = is_fixed or together[home, instr.operands[1]] >= _IN_ITERATION
-                way = self._way_in_loop(home) if is_fixed else _Way.IN_LOOP
-            else:
+            way = _Way.PREPARED
+            if home not in self._loops:
                 least = 1 if home in self._around else _AT_ONCE
-                pays = is_fixed and crowds[home] >= least
-                way = _Way.SOON if crowds[home] <= _CROWD else _Way.PREPARED
-            if pays and instr.id not in waiting:
+                pays = instr.id in fixed and crowds[home] >= least
+                if crowds[home] <= _CROWD or instr.id in chained:
+                    way = _Way.SOON
+            elif instr.id in fixed:
+                pays = True
+                if instr.id in waiting or self._is_short(home):
+                    way = _Way.SOON
+            else:
+                shares = together[home, instr.operands[1]] >= _IN_ITERATION
+                pays, way = shares and instr.id not in waiting, _Way.IN_ITERATION
+            if pays:
                 shared[instr.id] = way
         return shared
 
-    def _way_in_loop(self, header: str) -> _Way:
+    def _is_short(self, header: str) -> bool:
+        """Whether a loop has one division, and little else."""
         instrs = [i for name in self._loops[header] for i in self._function.by_name[name].instrs]
         is_one = sum(instr.op is Opcode.FDIV for instr in instrs) == 1
-        return _Way.SOON if is_one and len(instrs) <= _SHORT else _Way.PREPARED
+        return is_one and len(instrs) <= _SHORT
+
+    def _chained(self, home: str) -> Iterator[int]:
+        """Ids of the divisions of a block whose dividends come of others of it."""
+        behind: set[int] = set()
+        for instr in self._function.by_name[home].instrs:
+            comes_of = any(isinstance(v, Ref) and v.id in behind for v in instr.operands)
+            if instr.op is Opcode.FDIV and comes_of:
+                yield instr.id
+            if instr.op is Opcode.FDIV or comes_of:
+                behind.add(instr.id)
 
     def is_root(self, divisor: Value) -> bool:
         """Whether it is one, which cannot be subnormal."""
@@ -152,7 +175,7 @@ class _Sharing:
         return self._function.block_of[divisor.id] not in within
 
     def _waiting(self, home: str) -> Iterator[int]:
-        """Ids of what is on a recurrence of a loop and would make it longer in halves.
+        """Ids of what is on a recurrence of a loop and would make it longer in few operations.
 
         A recurrence is not made longer than another that finds the divisor by a division of its
         own, which takes 37 cycles, if its one division (30 from the dividend) has few operations
@@ -163,6 +186,7 @@ class _Sharing:
         slow = {
             divisor.id
             for part in parts
+            if len(part) >= _HIDING
             for division in part & divisions.keys()
             if isinstance(divisor := divisions[division], Ref) and divisor.id in part
         }

@@ -69,11 +69,12 @@ def _expanded(dfg: DFG, expansions: Mapping[Opcode, Expansion]) -> DFG:
 
 
 def _divided_by_roots(dfg: DFG) -> frozenset[int]:
-    """What takes a root as its second operand: always one, and of the same iteration."""
+    """Quotients by what is always a root, and of the same iteration."""
     masked = {edge.dst for edge in dfg.edges if edge.port == PRED}
     roots = {node.id for node in dfg.nodes if node.op is Opcode.SQRT} - masked
-    by = (edge for edge in dfg.edges if edge.is_data and edge.port == 1 and not edge.distance)
-    return frozenset(edge.dst for edge in by if edge.src in roots)
+    by = (edge for edge in dfg.edges if edge.src in roots and edge.is_data and not edge.distance)
+    divided = {node.id for node in dfg.nodes if node.op is Opcode.FDIV}
+    return frozenset(edge.dst for edge in by if edge.port == 1) & divided
 
 
 def waiting_parts(dfg: DFG) -> list[frozenset[int]]:
@@ -131,7 +132,6 @@ class _Facts:
     latency_bound: frozenset[int]
     late_divisors: frozenset[int]
     normal_divisors: frozenset[int]
-    """Quotients by roots."""
 
 
 EXPANSIONS: Final[dict[Opcode, Expansion]] = {

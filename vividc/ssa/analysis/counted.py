@@ -12,6 +12,8 @@ from vividc.ssa.edit import block_of, incoming, next_id, with_blocks
 from vividc.ssa.flow import Loop
 from vividc.ssa.ir import Block, Const, Function, Instr, Ref, Value
 
+_MOST = 0x7FFFFFFF
+
 
 @dataclass(frozen=True, slots=True)
 class Trip:
@@ -44,10 +46,7 @@ def count_loop(function: Function, loop: Loop, preheader: str) -> tuple[Function
         return function, None
     emitter = _Emitter(next_id(function), header)
     ends = low.without(ITERATION), high.without(ITERATION)
-    total = emitter.difference(*ends, clamp=step > 1)
-    if step > 1:
-        total = emitter.emit(Opcode.ADD, total, Const(step - 1))
-        total = emitter.emit(Opcode.LSHR, total, Const(step.bit_length() - 1))
+    total = emitter.difference(*ends) if step == 1 else emitter.steps(*ends, step)
     block = block_of(function, preheader)
     block = replace(block, instrs=(*block.instrs, *emitter.instrs))
     return with_blocks(function, (block,)), Trip(total)
@@ -98,26 +97,41 @@ class _Emitter:
         self.instrs.append(instr)
         return Ref(instr.id)
 
-    def difference(self, low: Polynomial, high: Polynomial, *, clamp: bool) -> Value:
+    def difference(self, low: Polynomial, high: Polynomial) -> Value:
         """high - low as a trip count: at most 2**31 - 1, and not above 0 if high <= low.
 
         A plain difference of two words may overflow; one from zero, or of constants, does not.
-        With `clamp` the count is not negative.
         """
         if low.constant is not None and high.constant is not None:
-            return Const(max(high.constant - low.constant, 0) & 0x7FFFFFFF)
-        if low.constant == 0 and not clamp:
+            return Const(min(max(high.constant - low.constant, 0), _MOST))
+        if low.constant == 0:
             return self.sum(high)
-        least = self.sum(low)
-        most = self.emit(Opcode.SMAX, self.sum(high), least)
-        count = self.emit(Opcode.SUB, most, least)
+        count = self._distance(low, high)
         if low.constant is not None and low.constant >= 0:
             return count
         overflows = self.emit(Opcode.ICMP_SLT, count, Const(0))
-        operands = (overflows, Const(0x7FFFFFFF), count)
+        operands = (overflows, Const(_MOST), count)
         self.instrs.append(Instr(self._next, Opcode.SELECT, Type.I32, operands, loc=self._loc))
         self._next += 1
         return Ref(self._next - 1)
+
+    def steps(self, low: Polynomial, high: Polynomial, step: int) -> Value:
+        """How many steps of two or more, a power of two, lead from low to high or beyond; at most
+        2**31 - 1. The distance is an unsigned word: it may be larger than any signed one.
+        """
+        if low.constant is not None and high.constant is not None:
+            return Const(min(-(-max(high.constant - low.constant, 0) // step), _MOST))
+        distance, shift = self._distance(low, high), Const(step.bit_length() - 1)
+        if low.constant is not None and low.constant >= 0:
+            return self.emit(Opcode.LSHR, self.emit(Opcode.ADD, distance, Const(step - 1)), shift)
+        whole = self.emit(Opcode.LSHR, distance, shift)
+        rest = self.emit(Opcode.AND, distance, Const(step - 1))
+        return self.emit(Opcode.ADD, whole, self.emit(Opcode.SMIN, rest, Const(1)))
+
+    def _distance(self, low: Polynomial, high: Polynomial) -> Value:
+        """From low to high, 0 if that is not above it."""
+        least = self.sum(low)
+        return self.emit(Opcode.SUB, self.emit(Opcode.SMAX, self.sum(high), least), least)
 
     def sum(self, total: Polynomial) -> Value:
         """The value of an invariant affine form."""

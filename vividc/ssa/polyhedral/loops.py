@@ -125,12 +125,12 @@ class _Counted:
         self.relations = relations
         self.quotients = quotients
         self.dims = {one.name: one.coordinates for one in relations.scop.statements}
-        self.counted: dict[tuple[str, str], set[Form]] = {}
+        self.counted: dict[tuple[str, str], dict[Form, None]] = {}
         self._equal: dict[str, bool] = {}
         for run in runs_in(code):
             for dim, form in zip(self.dims[run.statement], run.coordinates, strict=True):
                 for name in form.names:
-                    self.counted.setdefault((name, dim), set()).add(form)
+                    self.counted.setdefault((name, dim), {})[form] = None
 
     def of(
         self, code: Iterable[Code], names: tuple[str, ...] = (), known: tuple[str, ...] = ()

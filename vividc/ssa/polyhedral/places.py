@@ -449,16 +449,16 @@ class Places:
         chosen: dict[str, For] = {}
         known: dict[str, Quotient] = {}
         named: set[str] = set()
-        work = [name for form in forms for name in form.names]
+        work = [name for form in forms for name, _ in form.terms]
         while work:
             name = work.pop()
             named.add(name)
             if name in self.every and name not in chosen:
                 loop = chosen[name] = self.every[name]
-                work += [n for bound in (*loop.first, *loop.limit) for n in bound.names]
+                work += [n for bound in (*loop.first, *loop.limit) for n, _ in bound.terms]
             elif quotients and name in self.loops.quotients and name not in known:
                 known[name] = self.loops.quotients[name]
-                work += known[name].dividend.names
+                work += [n for n, _ in known[name].dividend.terms]
         conditions = []
         for loop in chosen.values():
             conditions += [f"{loop.name} >= {one}" for one in loop.first]

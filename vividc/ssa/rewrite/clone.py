@@ -98,17 +98,16 @@ def repair_uses(function: Function, names: Collection[str], clones: Collection[C
     A use elsewhere of a value that the originals define reads whichever of the original and its
     copies ran last; phis are placed where several may have.
     """
-    by_name = {block.name: block for block in function.blocks}
     inside = set(names)
     for clone in clones:
         inside.update(clone.names.values())
     used = _used_elsewhere(function, inside)
-    for name in names:
-        if name not in by_name:
+    for block in function.blocks:
+        if block.name not in names:
             continue
-        for ident, type_ in defined_types(by_name[name]).items():
+        for ident, type_ in defined_types(block).items():
             if ident in used:
-                definitions = _definitions(ident, name, clones)
+                definitions = _definitions(ident, block.name, clones)
                 function = repair(function, ident, type_, definitions)
     return function
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 
 from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.parallel import Reduction
-from vividc.machine.words import WORD_MASK
+from vividc.machine.words import WORD_BITS, WORD_MASK, signed
 from vividc.ssa.analysis.counted import count_loop
 from vividc.ssa.analysis.induction import Induction, induction_of
 from vividc.ssa.analysis.reductions import FoundReduction, reduction_of
@@ -34,16 +34,18 @@ from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Phi, Ref, Value
 from vividc.ssa.rewrite.clone import Clone, clone_blocks
 from vividc.ssa.rewrite.refusal import Refusal
 
+_HALF = 1 << WORD_BITS - 1
+
 
 @dataclass(frozen=True)
-class Partial:
+class Grouped:
     """`main` is the header of the loop, which takes the old one's place."""
 
     function: Function
     main: str
 
 
-def with_partial_results(function: Function, loop: Loop, factor: int) -> Partial | Refusal:
+def with_partial_results(function: Function, loop: Loop, factor: int) -> Grouped | Refusal:
     """Runs `factor` iterations of an innermost loop as one, with a partial result of each scalar
     that they only add to.
 
@@ -55,7 +57,7 @@ def with_partial_results(function: Function, loop: Loop, factor: int) -> Partial
     return _made(function, loop, factor, roles)
 
 
-def unroll_masked(function: Function, loop: Loop, factor: int) -> Partial | Refusal:
+def unroll_masked(function: Function, loop: Loop, factor: int) -> Grouped | Refusal:
     """Runs `factor` iterations of an innermost loop as one, one after the other.
 
     The loop is as for `with_partial_results`.
@@ -63,7 +65,7 @@ def unroll_masked(function: Function, loop: Loop, factor: int) -> Partial | Refu
     return _made(function, loop, factor, _Roles(_roles(function, loop).steps, {}))
 
 
-def _made(function: Function, loop: Loop, factor: int, roles: _Roles) -> Partial | Refusal:
+def _made(function: Function, loop: Loop, factor: int, roles: _Roles) -> Grouped | Refusal:
     if factor < 2 or factor & (factor - 1):  # noqa: PLR2004 - copies
         return Refusal("the factor is no power of two")
     if (reason := _objection(function, loop, roles)) is not None:
@@ -141,14 +143,14 @@ class _Making:
         self.ids = FreshIds(self.function)
         self.header = block_of(self.function, self.loop.header)
         self.latch = self.loop.latches[0]
-        self.main = fresh_name(self.function, f"{self.loop.header}.partial")
-        self.end = fresh_name(self.function, f"{self.loop.header}.total")
+        self.main = fresh_name(self.function, f"{self.loop.header}.groups")
+        self.end = fresh_name(self.function, f"{self.loop.header}.done")
         taken = {block.name for block in self.function.blocks}
         stems = (f"{self.main}.before{number}" for number in range(self.factor))
         self.names = [first_free(taken, stem) for stem in (*stems, f"{self.main}.after")]
         self.loc = self.header.branch.loc
 
-    def made(self) -> Partial:
+    def made(self) -> Grouped:
         """The function with the loop in place of the old one."""
         before, limits = self._before()
         phis = self._phis()
@@ -164,7 +166,7 @@ class _Making:
             self.function, (before, replace(entered, phis=own), main, *self.blocks, end)
         )
         kept = tuple(b for b in self.function.blocks if b.name not in self.loop.blocks)
-        return Partial(substitute(replace(self.function, blocks=kept), totals), self.main)
+        return Grouped(substitute(replace(self.function, blocks=kept), totals), self.main)
 
     def _before(self) -> tuple[Block, list[Value]]:
         """The preheader, with how often the new loop runs, and then below which iteration each but
@@ -235,19 +237,21 @@ class _Making:
         return name
 
     def _stepped(self, into: list[Instr], start: Value, step: Induction, number: int) -> Value:
-        """A counter so many iterations later."""
+        """A counter so many iterations later; what it adds may wrap where the steps did not."""
         if not number:
             return start
         by: Value = step.by
+        exact = step.update.exact
         if isinstance(by, Const):
+            exact = exact and -_HALF <= signed(by.word) * number < _HALF
             by = Const(by.word * number & WORD_MASK)
         elif number > 1:
-            by = self._emit(into, Opcode.MUL, by, Const(number))
-        return self._emit(into, step.update.opcode, start, by, exact=step.update.exact)
+            by, exact = self._emit(into, Opcode.MUL, by, Const(number)), False
+        return self._emit(into, step.update.opcode, start, by, exact=exact)
 
     def _copied(self, given: Mapping[int, Value], number: int) -> Clone:
         """One iteration, without the test in its header, that goes on to the next."""
-        stem = f"partial{number}"
+        stem = f"group{number}"
         clone = clone_blocks(self.function, self.loop.blocks, given=given, stem=stem, ids=self.ids)
         first, last = clone.names[self.loop.header], clone.names[self.latch]
         made = []

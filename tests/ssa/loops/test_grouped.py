@@ -15,15 +15,16 @@ from vividc.dfg.cut.build import build_kernel
 from vividc.ssa.check import check_function
 from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.ir import Function
-from vividc.ssa.loops.partial import Partial, unroll_masked, with_partial_results
+from vividc.ssa.loops.grouped import Grouped, unroll_masked, with_partial_results
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 
 BODY = (Load(1, 0), Assign(2, "add", 2, 1, None))
 
 
-def run(function: Function, header: str, factor: str) -> object:
-    done = with_partial_results(function, loop_at(function, header), int(factor))
+def run(function: Function, header: str, factor: str, masked: str = "") -> object:
+    way = unroll_masked if masked else with_partial_results
+    done = way(function, loop_at(function, header), int(factor))
     return done.reason if isinstance(done, Refusal) else done.function
 
 
@@ -39,7 +40,7 @@ WAYS = st.sampled_from([with_partial_results, unroll_masked])
 @given(programs(), WAYS, st.sampled_from([2, 4, 8]), st.integers(0, 4))
 def test_random_programs_mean_the_same(
     program: tuple[object, ...],
-    way: Callable[[Function, Loop, int], Partial | Refusal],
+    way: Callable[[Function, Loop, int], Grouped | Refusal],
     factor: int,
     which: int,
 ) -> None:
@@ -57,7 +58,7 @@ def test_random_programs_mean_the_same(
 @pytest.mark.parametrize("factor", [2, 4])
 @pytest.mark.parametrize("count", range(10))
 def test_what_fills_no_group_is_masked(
-    count: int, factor: int, way: Callable[[Function, Loop, int], Partial | Refusal]
+    count: int, factor: int, way: Callable[[Function, Loop, int], Grouped | Refusal]
 ) -> None:
     before = tidy(lower((For(0, 0, count, BODY), Store(0, 2))))
     done = way(before, find_loops(before)[0], factor)
