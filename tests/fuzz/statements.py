@@ -16,6 +16,17 @@ TESTS = ("<", "<=", ">", ">=", "==", "!=")
 SHORT = (("3", 2), ("1, 9, 2", 7), ("4", 3), ("n & 3", 3), ("q & 7", 7), ("6, 0, -2", 6), ("1", 0))
 """Ranges that know no array, and the greatest value of their counters."""
 
+WIDE = (
+    "-(2**31), 2**30, 2**30",
+    "-(2**31), 2**31 - 2**29, 2**29",
+    "2**30, -(2**31), -(2**29)",
+    "(n & 15) - 2**31, 2**30, 2**28",
+    "-5, (q & 7) + 2**30, 2**28",
+    "(q & 7) + 2**30, -(2**30) - 2**29, -(2**28)",
+)
+WIDEST = 12
+"""Ranges that no signed word is as wide as, or nearly, and the most iterations of one."""
+
 MOST_TRIPS = 400
 """Of the innermost loop, over all runs of it: interpreters are slow."""
 
@@ -120,7 +131,18 @@ class Program:
     def _loop(self, depth: int, indent: int) -> str:
         return (self._short if self.random.random() < 0.25 else self.loop_over)(depth, indent)
 
+    def _wide(self, indent: int) -> str:
+        """A loop whose counter is too large for an index."""
+        pad, name = "    " * indent, self._name("w")
+        return (
+            f"{pad}for {name} in range({self.random.choice(WIDE)}):\n"
+            f"{pad}    s = np.int32(s * 5 + ({name} >> 24))\n"
+            f"{pad}    {self._assignment()}\n"
+        )
+
     def _short(self, depth: int, indent: int) -> str:
+        if self.random.random() < 0.08 and self.places.trips() * WIDEST <= MOST_TRIPS:
+            return self._wide(indent)
         bounds, most = self.random.choice(SHORT)
         counter = Counter(self._name("j"), "", 0, 0, most, most + 1)
         if self.places.trips() * counter.trips > MOST_TRIPS:
