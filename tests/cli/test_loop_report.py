@@ -129,7 +129,11 @@ def test_what_would_save_cycles_is_told_in_json_and_in_a_table(tmp_path):
     result = run("compile", path, "-o", output, "--explain")
     assert "What would save cycles" in result.stdout
     assert f"{hint['saved']:,.0f}" in result.stdout
-    result = run("compile", path, "-o", output, "--explain", "--reassociate")
+    result = run("compile", path, "-o", output, "--json", "--explain", "--reassociate")
+    left = json.loads(result.stdout)["advice"]
+    assert "--reassociate" not in {hint["option"] for hint in left}
+    path.write_text(CHAIN.replace("s += x[i]", "s = s * x[i] + x[i]"))
+    result = run("compile", path, "-o", output, "--explain", "--sizes", "x=240")
     assert "no change is known that would save 3%" in result.stdout
 
 
