@@ -27,8 +27,7 @@ SIZES: Final = (200, 400, 800)
 NOTES: Final = (
     f"Each frame has a process of its own; rows are kept in `{ROWS}` and not measured again:",
     "delete them after a change of the renderers. `vivid`, 16 tiles at 1 GHz; every stage on the",
-    "array. Those of TensoRF, and of Instant-NGP outside Figures 1(b) and 7(c), are of 2026-11-22:",
-    "their stages have become faster since, and `stages.md` has today's.",
+    "array. Those of 3DGS and KiloNeRF are of before 2026-11-28, and `stages.md` has today's.",
     "",
     "PSNR is the mean over the views, of the clipped pictures against photographs, as they are",
     "against float32 on the host. The array renders three of the held-out photographs' views (25",
