@@ -131,7 +131,7 @@ class Program:
     def _loop(self, depth: int, indent: int) -> str:
         return (self._short if self.random.random() < 0.25 else self.loop_over)(depth, indent)
 
-    def _wide(self, indent: int) -> str:
+    def _over_wide_range(self, indent: int) -> str:
         """A loop whose counter is too large for an index."""
         pad, name = "    " * indent, self._name("w")
         return (
@@ -142,7 +142,7 @@ class Program:
 
     def _short(self, depth: int, indent: int) -> str:
         if self.random.random() < 0.08 and self.places.trips() * WIDEST <= MOST_TRIPS:
-            return self._wide(indent)
+            return self._over_wide_range(indent)
         bounds, most = self.random.choice(SHORT)
         counter = Counter(self._name("j"), "", 0, 0, most, most + 1)
         if self.places.trips() * counter.trips > MOST_TRIPS:
