@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 import vividc
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.interpret.interpreter import interpret
+from vividc.errors import VividcError
 from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.params import DType, Param
 from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Phi, Ref, Value
@@ -74,6 +75,14 @@ def test_ranges_may_be_wider_than_a_word_is_signed(data: st.DataObject, step: in
     inputs = {"start": start & MASK, "stop": stop & MASK}
     done = interpret(build_kernel(loop(first, step, stop=last)), np.zeros(1, np.uint32), inputs)
     assert done.value == len(numbers)
+
+
+def test_the_longest_range_does_not_count_as_none() -> None:
+    """2**31 steps, which no interpreter ends."""
+    kernel = build_kernel(loop(Input("start"), 2))
+    inputs = {"start": LEAST & MASK, "stop": MOST & MASK}
+    with pytest.raises(VividcError, match="the iteration limit is reached"):
+        interpret(kernel, np.zeros(1, np.uint32), inputs, iteration_limit=99)
 
 
 @vividc.kernel("void(int32[::1])")

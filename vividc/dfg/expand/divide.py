@@ -229,7 +229,7 @@ def prepared(emit: Emit[V], divisor: V) -> Divisor[V]:
     finite = emit(Opcode.ICMP_ULT, emit(Opcode.SUB, magnitude, 1), FINITE_NONZERO)
     return Divisor(
         emit(Opcode.SELECT, finite, mantissa, divisor),
-        _or_special(emit, finite, _exact_reciprocal(emit, mantissa), divisor),
+        _or_special(emit, finite, _reciprocal(emit, mantissa, is_exact=True), divisor),
         *_inverse_scales(emit, exponent, SCALES, lifted),
     )
 
@@ -262,7 +262,7 @@ def prepared_soon(
     fraction = emit(Opcode.AND, number, MANTISSA)
     mantissa = emit(Opcode.OR, fraction, ONE)
     sign = emit(Opcode.AND, divisor, SIGN)
-    inverse = _signed_reciprocal(emit, mantissa, fraction, sign, is_exact=exact)
+    inverse = _reciprocal(emit, mantissa, fraction, sign, is_exact=exact)
     half = emit(Opcode.SUB, mantissa, ONE + HALF_ULP)
     return SoonDivisor(
         emit(Opcode.SELECT, finite, emit(Opcode.OR, mantissa, sign), divisor),
@@ -286,15 +286,19 @@ def _inverse_scales(emit: Emit[V], exponent: V, scales: V | int, lifted: V | int
     )
 
 
-def _signed_reciprocal(emit: Emit[V], d: V, fraction: V, sign: V, *, is_exact: bool) -> V:
-    """1 / d for a magnitude in [1, 2), with this sign: as near as one step needs, or two
-    corrections of a quotient.
+def _reciprocal(
+    emit: Emit[V], d: V, fraction: V | None = None, sign: V | None = None, *, is_exact: bool
+) -> V:
+    """1 / d for a magnitude in [1, 2), perhaps with a sign: as near as one step needs, or two
+    corrections of a quotient. `fraction`: as of `_estimate`.
     """
     y = _estimate(emit, d, fraction)
     error = emit(Opcode.FNMA, d, y, ONE)
     if is_exact:
+        # Else y would be low by 4e-11, too much where 1/d is half-way between two numbers.
         error = emit(Opcode.FMA, error, error, error)
-    y = emit(Opcode.OR, y, sign)
+    if sign is not None:
+        y = emit(Opcode.OR, y, sign)
     return emit(Opcode.FMA, y, error, y)
 
 
@@ -383,15 +387,6 @@ def _estimate(emit: Emit[V], divisor: V, fraction: V | None = None) -> V:
     return emit(Opcode.FMA, y, emit(Opcode.FMUL, error, error), y)
 
 
-def _exact_reciprocal(emit: Emit[V], d: V) -> V:
-    """1 / d for a magnitude in [1, 2), as near as two corrections of a quotient need."""
-    y = _estimate(emit, d)
-    # The last step is cubic, or y would be low by 4e-11, too much where 1/d is half-way between two
-    # numbers.
-    error = emit(Opcode.FNMA, d, y, ONE)
-    return emit(Opcode.FMA, y, emit(Opcode.FMA, error, error, error), y)
-
-
 @dataclass(frozen=True, slots=True)
 class _Unpacked:
     """A magnitude's mantissa in [1, 2), the bits of it after the point, its biased exponent, and
@@ -430,7 +425,7 @@ def _signed_parts(b: Builder, x: Value) -> tuple[Value, Value, Value, Value]:
 
 def _corrected_quotient(b: Builder, a: Value, d: Value) -> Value:
     """a / d for magnitudes in [1, 2), correctly rounded."""
-    y = _exact_reciprocal(b.op, d)
+    y = _reciprocal(b.op, d, is_exact=True)
     near = b.op(Opcode.FMUL, a, y)
     for _ in range(2):  # to within half an ulp and a little, then to the nearest
         near = b.op(Opcode.FMA, b.op(Opcode.FNMA, d, near, a), y, near)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from vividc.machine.opcodes import Opcode, Type
+from vividc.machine.words import WORD_BITS
 from vividc.ssa.analysis.counters import header_test
 from vividc.ssa.analysis.induction import never_wraps
 from vividc.ssa.analysis.polynomial import ITERATION, LoopPolynomials, Polynomial
@@ -126,7 +127,10 @@ class _Emitter:
             return self.emit(Opcode.LSHR, self.emit(Opcode.ADD, distance, Const(step - 1)), shift)
         whole = self.emit(Opcode.LSHR, distance, shift)
         rest = self.emit(Opcode.AND, distance, Const(step - 1))
-        return self.emit(Opcode.ADD, whole, self.emit(Opcode.SMIN, rest, Const(1)))
+        count = self.emit(Opcode.ADD, whole, self.emit(Opcode.SMIN, rest, Const(1)))
+        if step > 2:  # noqa: PLR2004 - of two there may be 2**31, a negative count
+            return count
+        return self.emit(Opcode.SUB, count, self.emit(Opcode.LSHR, count, Const(WORD_BITS - 1)))
 
     def _distance(self, low: Polynomial, high: Polynomial) -> Value:
         """From low to high, 0 if that is not above it."""
