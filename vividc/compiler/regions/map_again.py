@@ -40,13 +40,20 @@ from vividc.mapper.result import mapping_of
 from vividc.program.encoder.banks import TRIES, choose_layout
 from vividc.program.encoder.checks import span_of
 
-_PAYS: Final = 0.02
+_PAYS, _SAVES = 0.02, 0.002
 """Of the cycles of all loops: stalls that are worth a search, and what has to come of it."""
 
-_SEEDS: Final = range(1, 6)
+_SEEDS: Final = range(1, 9)
 
 _EFFORT: Final = Effort(moves=6000, rounds=30, repairs=60, trials=1)
 """Of each seed; each comes to other stalls."""
+
+_WEIGHT, _LIGHTER = 10.0, 3.0
+"""How much more than the annealer's cost of a stall one costs in the first search, and by what that
+is divided after each one that maps nothing, down to 1: of eight seeds of a loop of 168 operations
+(hash encoding) all come to 0.6 to 1.6 stalls an iteration at 1, to 0 to 0.9 at 10; of one whose II
+leaves few slots free (splats of a block) one seed maps anything at 10, and most at 3.
+"""
 
 _SHORTER_PAYS: Final = 0.01
 """Of the cycles of all loops: what iterations as short as their longest path would save that is
@@ -68,13 +75,13 @@ nothing.
 
 _IDLE: Final = 2
 _IDLE_S: Final = 0.6
-"""Seeds in turn that bring nothing, after which no more are tried, and the effort in seconds that
-their annealing may take if they are more: of 15 large loops of PolyBench and `kernels/` no later
-one saved anything. Loops of 37 and 49 operations (mvt, covariance) save 3 % of all cycles by their
-last ones, and each takes 0.1 s.
+"""Seeds in turn that bring nothing, those that map nothing at a larger weight than 1 not counted,
+after which no more are tried, and the effort in seconds that their annealing may take if they are
+more: of 15 large loops of PolyBench and `kernels/` no later one saved anything. Loops of 37 and 49
+operations (mvt, covariance) save 3 % of all cycles by their last ones, and each takes 0.1 s.
 """
 
-_BUDGET_S: Final = 3.0
+_BUDGET_S: Final = 5.0
 """Seconds of effort, at most, for a kernel."""
 
 _Way = Literal["anew", "stay", "open"]
@@ -136,7 +143,7 @@ def _with_fewer_stalls(
         left = sum(loops.stalls(index, mapping_of(made), known) for index, made in tried.items())
         if left < _PAYS * first or deadline.passed:
             break
-        tried = _settled(loops, results, deadline, way, _PAYS * first)
+        tried = _settled(loops, results, deadline, way, first)
         known = loops.known(tried)
         cycles = loops.total(tried, known)
         if cycles < least:
@@ -149,20 +156,20 @@ def _settled(
     results: ReadOnly[int, MapResult],
     deadline: Deadline,
     way: _Way,
-    least: float,
+    every: float,
 ) -> dict[int, MapResult]:
     """Each loop with many stalls mapped again, the worst first, where it saves cycles; `way`: how
-    arrays lie, see above.
+    arrays lie, see above; `every`: the cycles of all loops before.
     """
     better = dict(results)
     known = loops.known_if_open(better) if way == "open" else loops.known(better)
     before = loops.total(better, known)
     stalls = {index: loops.stalls(index, mapping_of(better[index]), known) for index in better}
     for index in sorted(stalls, key=lambda index: -stalls[index]):
-        if stalls[index] < least or deadline.passed:
+        if stalls[index] < _PAYS * every or deadline.passed:
             break
         made = loops.mapped_again(index, better, known, deadline, way == "anew")
-        if made is None or made.cycles > before - least:
+        if made is None or made.cycles > before - _SAVES * every:
             continue
         better[index] = replace(better[index], mapping=made.mapping)
         if way != "open":
@@ -315,7 +322,7 @@ class _Loops:
     ) -> _Again | None:
         """The least costly of some mappings of a loop at its II; None: there is none."""
         old, problem = mapping_of(results[index]), self.problem(index, results)
-        meetings = self.traffic(index, old).meetings(known)
+        meetings, weight = self.traffic(index, old).meetings(known), _WEIGHT
         stalls, least = self.stalls(index, old, known), self.total(results, known)
         enough = least - (1.0 - _ENOUGH) * stalls
         best: _Again | None = None
@@ -323,7 +330,10 @@ class _Loops:
         for seed in _SEEDS:
             if deadline.passed or least <= enough or idle == most:
                 break
-            made = self._negotiated(problem, old, seed, deadline, _EFFORT, meetings)
+            made = self._negotiated(problem, old, seed, deadline, _EFFORT, meetings.times(weight))
+            if made is None and weight > 1.0:
+                weight = max(1.0, weight / _LIGHTER)
+                continue
             idle += 1
             if made is None:
                 continue
