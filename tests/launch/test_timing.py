@@ -81,17 +81,30 @@ def test_a_gather_reads_its_indices_first() -> None:
     assert result.stats["bytes"]["dram_read"] == 32 + 4 * 32
 
 
-def test_rows_of_a_gather_that_follow_each_other_are_one_piece() -> None:
+@pytest.mark.parametrize(
+    ("rows", "granules", "cycles"),
+    [
+        pytest.param([5, 9, 6, 1, 13], 5, 5, id="another granule each time"),
+        pytest.param([4, 5, 6, 7, 9], 2, 2, id="adjacent"),
+        pytest.param([2, 3, 4, 5, 6], 2, 3, id="adjacent, in two granules"),
+        pytest.param([6, 4, 7, 9, 9], 2, 2, id="in one granule, in any order"),
+        pytest.param([4, 4, 4, 4, 4], 5, 5, id="more than a granule holds"),
+        pytest.param([7, 8, 8, 11, 1], 4, 4, id="one that reaches into the next granule"),
+    ],
+)
+def test_rows_of_a_gather_that_lie_together_are_one_piece(
+    rows: list[int], granules: int, cycles: int
+) -> None:
+    """A granule holds four of them."""
     table = np.arange(200, dtype=np.int32).reshape(100, 2)
-    apart, joined = np.array([5, 4, 9, 9, 8], np.int32), np.array([4, 5, 6, 7, 9], np.int32)
-    results = []
-    for rows in (apart, joined):
-        job = Job(machine())
-        job.gather(0, table, rows, 0)
-        results.append(job.simulate())
-    assert [result.stats["bytes"]["dram_read"] for result in results] == [32 * 6, 32 * 3]
-    assert results[0].cycles - results[1].cycles == 3
-    assert all(result.stats["bytes"]["scratchpad_in"] == 40 for result in results)
+    job = Job(machine())
+    job.gather(0, table, np.array(rows, np.int32), 0)
+    result = job.simulate()
+    indices = SETUP + 1 + DRAM_LATENCY
+    assert result.cycles == indices + cycles + DRAM_LATENCY + NOC_LATENCY + 1
+    assert result.stats["bytes"]["dram_read"] == 32 * (1 + granules)
+    assert result.stats["bytes"]["dram_wanted"] == 4 * 5 + 40
+    assert result.stats["bytes"]["scratchpad_in"] == 40
 
 
 def test_two_engines_share_the_channel() -> None:

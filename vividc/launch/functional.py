@@ -95,6 +95,7 @@ class _State:
         self.working = working
         self.outcome = Outcome()
         self._buffers = buffers
+        self._granule = accelerator.dram.granule_bytes
         self._pads = [np.zeros(unit.scratchpad.words, np.uint32) for unit in accelerator.units]
         self._sharing = accelerator.sharing
         self._used: set[int] = set()
@@ -148,7 +149,7 @@ class _State:
             raise ArgumentError(
                 f"step {number} (gather) asks for row {wrong[0]} of an array of {len(view)} rows"
             )
-        self.outcome.gathered[number] = self._buffers.rows(step.view, indices)
+        self.outcome.gathered[number] = self._buffers.rows(step.view, indices, self._granule)
         return view[indices]
 
     def _indices(self, number: int, step: Transfer) -> Array:

@@ -77,14 +77,15 @@ class Buffers:
             starts = (starts[:, None] + np.arange(count) * stride).reshape(-1)
         return Pieces(number, _spans(starts, run))
 
-    def rows(self, view: Array, indices: NDArray[np.int64]) -> Pieces:
-        """The places of `view[indices]`; rows that follow each other in the array are one."""
+    def rows(self, view: Array, indices: NDArray[np.int64], granule: int) -> Pieces:
+        """The places of `view[indices]`; rows that follow each other in the array are one, and so
+        are those in a row that lie in one granule of DRAM, of so many bytes.
+        """
         number, row = self.number(view), view[:1].nbytes
         firsts = np.flatnonzero(np.diff(indices, prepend=-2) != 1)
         counts = np.diff(firsts, append=len(indices))
-        return Pieces(
-            number, _spans(self._start(view, number) + row * indices[firsts], row * counts)
-        )
+        starts = self._start(view, number) + row * indices[firsts]
+        return Pieces(number, _in_granules(starts, row * counts, granule))
 
     def _start(self, view: Array, number: int) -> int:
         """The byte of its array at which a view starts."""
@@ -138,6 +139,26 @@ def _flat(root: Array) -> NDArray[np.uint8]:
     copy = np.ndarray(root.shape, root.dtype, whole.data, first, root.strides)
     copy[...] = root
     return whole
+
+
+def _in_granules(
+    starts: NDArray[np.int64], sizes: NDArray[np.int64], granule: int
+) -> NDArray[np.int64]:
+    """Pieces in a row that lie in one granule, and are together no longer than it, as one, which
+    lies in it somewhere.
+    """
+    inside = starts // granule
+    alone = inside != (starts + sizes - 1) // granule
+    # Each that reaches into another granule is told from all others.
+    inside[alone] = -1 - np.flatnonzero(alone)
+    firsts = np.flatnonzero(np.diff(inside, prepend=inside[:1] - 1))
+    together = np.add.reduceat(sizes, firsts) if len(firsts) else sizes
+    joined = np.repeat(together <= granule, np.diff(firsts, append=len(sizes)))
+    firsts = np.flatnonzero(~joined | np.isin(np.arange(len(sizes)), firsts))
+    sums = np.add.reduceat(sizes, firsts) if len(firsts) else sizes
+    begins = starts[firsts]
+    ends = (begins // granule + 1) * granule
+    return _spans(np.where(sums > sizes[firsts], np.minimum(begins, ends - sums), begins), sums)
 
 
 def _spans(starts: NDArray[np.int64], sizes: NDArray[np.int64] | int) -> NDArray[np.int64]:
