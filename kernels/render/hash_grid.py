@@ -17,14 +17,16 @@ NO_CELL = np.uint32(0xFFFFFFFF)
 ONE = np.uint32(1)
 TEN = np.uint32(10)
 AXIS = np.uint32(1023)
-PLACES = np.uint32(128)
+SPREAD = np.uint32(2654435769)
+NOT_PLACES = np.uint32(25)
+"""Bits of a product that do not say which of 128 places is a cell's."""
 PRIME_Y = np.uint32(2654435761)
 PRIME_Z = np.uint32(805459861)
 LOW = np.uint32(0xFFFF)
 SIXTEEN = np.uint32(16)
+HIGH = np.uint32(0xFFFF0000)
 ZERO = np.float32(0)
-UPPER = np.uint32(0x3C000000)
-"""0 and 1 as float16: the products with a word of finite numbers add up to the upper one."""
+UNIT = np.float32(1)
 FIRST = np.uint32(8)
 """Word of `rows` from which the rows lie that were asked for."""
 
@@ -97,17 +99,25 @@ def hashed_corners(cell, mask, offset):
 
 
 @njit
-def cell_of(x, y, z, scale):
-    """The cell that a point is in, and its place among those that are remembered."""
-    i = np.uint32(np.int32(x * scale + HALF))
-    j = np.uint32(np.int32(y * scale + HALF))
-    k = np.uint32(np.int32(z * scale + HALF))
-    place = (i ^ (j << np.uint32(2)) ^ (k << np.uint32(4))) & (PLACES - ONE)
-    return i | (j << TEN) | (k << np.uint32(20)), place
+def level_of(low, scale):
+    """Where points lie in a level, in cells from its corner: what they are multiplied by, and what
+    is added then.
+    """
+    return scale, HALF - low[0] * scale, HALF - low[1] * scale, HALF - low[2] * scale
 
 
 @njit
-def list_cells(points, low, scale, seen, where, other_seen, other_where, cells, slots):
+def cell_of(x, y, z, level):
+    """The cell that a point is in, and its place among those that are remembered."""
+    i = np.uint32(np.int32(x * level[0] + level[1]))
+    j = np.uint32(np.int32(y * level[0] + level[2]))
+    k = np.uint32(np.int32(z * level[0] + level[3]))
+    cell = i | (j << TEN) | (k << np.uint32(20))
+    return cell, np.uint32(cell * SPREAD) >> NOT_PLACES
+
+
+@njit
+def list_cells(points, level, other_level, seen, where, other_seen, other_where, cells, slots):
     """List the cells of two levels, those of the second in the second half of `cells`; returns how
     many of each. `slots` says which are a point's: 16 bits each.
 
@@ -121,17 +131,15 @@ def list_cells(points, low, scale, seen, where, other_seen, other_where, cells, 
     count = np.uint32(0)
     other_count = np.uint32(0)
     for i in range(points.shape[0]):
-        x = points[i, 0] - low[0]
-        y = points[i, 1] - low[1]
-        z = points[i, 2] - low[2]
-        cell, place = cell_of(x, y, z, scale[0])
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
+        cell, place = cell_of(x, y, z, level)
         new = seen[place] != cell
         slot = count if new else where[place]
         seen[place] = cell
         where[place] = slot
         cells[count] = cell
         count += ONE if new else np.uint32(0)
-        cell, place = cell_of(x, y, z, scale[1])
+        cell, place = cell_of(x, y, z, other_level)
         new = other_seen[place] != cell
         other = other_count if new else other_where[place]
         other_seen[place] = cell
@@ -173,11 +181,11 @@ def ask_for_rows(points, counts, grid, other_grid, cells, slots, rows, room):
 
 
 @njit
-def within(x, y, z, scale):
+def within(x, y, z, level):
     """Where a point lies in its cell."""
-    x = x * scale + HALF
-    y = y * scale + HALF
-    z = z * scale + HALF
+    x = x * level[0] + level[1]
+    y = y * level[0] + level[2]
+    z = z * level[0] + level[3]
     return x - np.float32(np.int32(x)), y - np.float32(np.int32(y)), z - np.float32(np.int32(z))
 
 
@@ -218,26 +226,41 @@ def from_pairs(rows, first, at):
 
 
 @njit
-def halves(word):
-    """Both features of a row of float16."""
-    first = np.float32(lang.fp16_from_bits(word))
-    return first, lang.dot_fp16(word, UPPER, ZERO)
+def pair_corners(rows, total):
+    """Rows of a word hold both features of a corner; from here on a word holds a feature of two
+    corners, that to the right in the upper half.
+    """
+    for c in range(total):
+        first = np.uint32((np.uint32(c) << np.uint32(3)) + FIRST)
+        for side in range(4):
+            at = np.uint32(first + np.uint32(2 * side))
+            left, right = rows[at], rows[at + ONE]
+            rows[at] = (left & LOW) | (right << SIXTEEN)
+            rows[at + ONE] = (left >> SIXTEEN) | (right & HIGH)
 
 
 @njit
-def from_halves(rows, first, at):
-    """As `from_pairs`, of rows of a word."""
-    return blended(
-        halves(rows[first]),
-        halves(rows[first + ONE]),
-        halves(rows[first + np.uint32(2)]),
-        halves(rows[first + np.uint32(3)]),
-        halves(rows[first + np.uint32(4)]),
-        halves(rows[first + np.uint32(5)]),
-        halves(rows[first + np.uint32(6)]),
-        halves(rows[first + np.uint32(7)]),
-        at,
-    )
+def blended_pairs(rows, first, at):
+    """Both features at a place in the cell whose `pair_corners` begin at `first`: one operation
+    adds two corners with their shares, which are float16.
+    """
+    x, y, z = at
+    right_above = x * y
+    left_above = y - right_above
+    above = lang.pack_fp16(left_above, right_above)
+    below = lang.pack_fp16((UNIT - x) - left_above, x - right_above)
+    two, four, six = np.uint32(2), np.uint32(4), np.uint32(6)
+    front = face(rows[first], rows[first + two], below, above)
+    back = face(rows[first + four], rows[first + six], below, above)
+    other_front = face(rows[first + ONE], rows[first + np.uint32(3)], below, above)
+    other_back = face(rows[first + np.uint32(5)], rows[first + np.uint32(7)], below, above)
+    return front + (back - front) * z, other_front + (other_back - other_front) * z
+
+
+@njit
+def face(lower, upper, below, above):
+    """A feature in a face of a cell, of its corners below and above."""
+    return lang.dot_fp16(upper, above, lang.dot_fp16(lower, below, ZERO))
 
 
 @vividc.kernel(
@@ -253,22 +276,23 @@ def two_levels(
     many cells the points lie in: if there are more than `room`, nothing was computed.
     """
     low = low_x, low_y, low_z
+    level, level_1 = level_of(low, scale), level_of(low, scale_1)
     if phase == 0:
-        counts = list_cells(
-            points, low, (scale, scale_1), seen, where, seen_1, where_1, cells, slots
-        )
+        counts = list_cells(points, level, level_1, seen, where, seen_1, where_1, cells, slots)
         grid, grid_1 = (resolution, entries, offset), (resolution_1, entries_1, offset_1)
         ask_for_rows(points, counts, grid, grid_1, cells, slots, rows, room)
         return np.int32(0)
     samples = np.uint32(points.shape[0])
     second = np.uint32(FIRST + (slots[samples] << np.uint32(4)))
     total = np.int32(slots[samples + ONE])
-    for i in range(points.shape[0] if total <= room else 0):
-        x, y, z = points[i, 0] - low_x, points[i, 1] - low_y, points[i, 2] - low_z
+    if total > room:
+        return total
+    for i in range(points.shape[0]):
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
         first = np.uint32(((slots[i] & LOW) << np.uint32(4)) + FIRST)
         other = np.uint32(((slots[i] >> SIXTEEN) << np.uint32(4)) + second)
-        a = from_pairs(rows, first, within(x, y, z, scale))
-        b = from_pairs(rows, other, within(x, y, z, scale_1))
+        a = from_pairs(rows, first, within(x, y, z, level))
+        b = from_pairs(rows, other, within(x, y, z, level_1))
         block = np.uint32(i) >> np.uint32(4)
         sample = np.uint32(i) & np.uint32(15)
         out[block, 0, sample] = a[0]
@@ -281,31 +305,34 @@ def two_levels(
 @vividc.kernel(
     "int32(int32, float32[:, ::1], float32, float32, float32, float32, float32, uint32, uint32,"
     " uint32, uint32, uint32, uint32, int32, uint32[::1], uint32[::1], uint32[::1], uint32[::1],"
-    " uint32[::1], uint32[::1], uint32[::1], uint32[:, :, ::1])"
+    " uint32[::1], uint32[::1], uint32[::1], uint32[:, ::1])"
 )
 def two_levels_fp8(
     phase, points, low_x, low_y, low_z, scale, scale_1, resolution, entries, offset,
     resolution_1, entries_1, offset_1, room, seen, where, seen_1, where_1, cells, slots, rows, out,
 ):  # fmt: skip
-    """As `two_levels`, of rows of two float16; the four features are float8, in a word."""
+    """As `two_levels`, of rows of two float16; the four features are float8, in a word, by block
+    and sample.
+    """
     low = low_x, low_y, low_z
+    level, level_1 = level_of(low, scale), level_of(low, scale_1)
     if phase == 0:
-        counts = list_cells(
-            points, low, (scale, scale_1), seen, where, seen_1, where_1, cells, slots
-        )
+        counts = list_cells(points, level, level_1, seen, where, seen_1, where_1, cells, slots)
         grid, grid_1 = (resolution, entries, offset), (resolution_1, entries_1, offset_1)
         ask_for_rows(points, counts, grid, grid_1, cells, slots, rows, room)
         return np.int32(0)
     samples = np.uint32(points.shape[0])
     second = np.uint32(FIRST + (slots[samples] << np.uint32(3)))
     total = np.int32(slots[samples + ONE])
-    for i in range(points.shape[0] if total <= room else 0):
-        x, y, z = points[i, 0] - low_x, points[i, 1] - low_y, points[i, 2] - low_z
+    if total > room:
+        return total
+    pair_corners(rows, total)
+    for i in range(points.shape[0]):
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
         first = np.uint32(((slots[i] & LOW) << np.uint32(3)) + FIRST)
         other = np.uint32(((slots[i] >> SIXTEEN) << np.uint32(3)) + second)
-        a = from_halves(rows, first, within(x, y, z, scale))
-        b = from_halves(rows, other, within(x, y, z, scale_1))
-        block = np.uint32(i) >> np.uint32(4)
-        sample = np.uint32(i) & np.uint32(15)
-        out[block, 0, sample] = lang.pack_fp8(a[0], a[1], b[0], b[1])
+        a = blended_pairs(rows, first, within(x, y, z, level))
+        b = blended_pairs(rows, other, within(x, y, z, level_1))
+        block, sample = np.uint32(i) >> np.uint32(4), np.uint32(i) & np.uint32(15)
+        out[block, sample] = lang.pack_fp8(a[0], a[1], b[0], b[1])
     return total

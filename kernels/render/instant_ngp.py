@@ -61,22 +61,14 @@ def halves(word):
     return np.float32(lang.fp16_from_bits(word)), lang.dot_fp16(word, UPPER, np.float32(0))
 
 
-@vividc.kernel(
-    "void(uint32[:, :, ::1], float32, float32, float32, float32[:, ::1], uint32[:, :, ::1])"
-)
-def density_fp8(x, limit, step, scale, thickness, features):
-    """As `density`, of words of two float16; outputs, a multiple of four, times `scale`, become
-    float8, four to a word.
+@vividc.kernel("void(uint32[:, ::1], float32, float32, float32[:, ::1])")
+def density_fp8(x, limit, step, thickness):
+    """Optical thickness of a step as `density`, of words of float16: the first output is the lower
+    one.
     """
     for block in range(x.shape[0]):
         for sample in range(16):
-            for k in range(features.shape[2]):
-                a, b = halves(x[block, 2 * k, sample])
-                c, d = halves(x[block, 2 * k + 1, sample])
-                features[block, sample, k] = word(a, b, c, d, scale)
-    for block in range(x.shape[0]):
-        for sample in range(16):
-            first = np.float32(lang.fp16_from_bits(x[block, 0, sample]))
+            first = np.float32(lang.fp16_from_bits(x[block, sample]))
             thickness[block, sample] = math.exp(min(first, limit)) * step
 
 
@@ -150,17 +142,24 @@ def directions_fp8(directions, scale, out):
             out[block, ray, 3] = word(t[12], t[13], t[14], t[15], scale)
 
 
-@vividc.kernel("void(uint32[:, ::1], uint32[:, ::1], int32[::1], uint32[:, :, ::1])")
-def colour_inputs_fp8(rows, of_rays, items, out):
+@vividc.kernel(
+    "void(uint32[:, :, ::1], uint32[:, ::1], int32[::1], int32, float32, uint32[:, :, ::1])"
+)
+def colour_inputs_fp8(outputs, of_rays, items, first, scale, out):
     """The network's inputs of those samples of a piece that survive: four words of their ray's
-    direction, then their row of features. The last sample fills the last block up.
+    direction, then the first network's outputs. The last sample fills the last block up.
 
     Parameters
     ----------
-    rows, of_rays
-        [m, words] of all samples of the piece, [64, 4] of its rays.
+    outputs
+        [block, word, sample] of two float16, a multiple of four of a sample: all blocks with
+        samples of the piece. Times `scale` they become float8.
+    of_rays
+        [64, 4] of its rays.
     items
         As in marching.py.
+    first
+        The first block's sample that is the piece's first.
     """
     last = np.int32(len(items) - 1)
     for sample in range(16 * out.shape[0]):
@@ -170,9 +169,12 @@ def colour_inputs_fp8(rows, of_rays, items, out):
         out[sample >> 4, 2, sample & 15] = of_rays[ray, 2]
         out[sample >> 4, 3, sample & 15] = of_rays[ray, 3]
     for sample in range(16 * out.shape[0]):
-        for word in range(rows.shape[1]):
-            row = np.uint32(items[min(np.int32(sample), last)]) >> PLACE
-            out[sample >> 4, 4 + word, sample & 15] = rows[row, word]
+        for k in range(out.shape[1] - 4):
+            place = (np.uint32(items[min(np.int32(sample), last)]) >> PLACE) + np.uint32(first)
+            block, lane = place >> np.uint32(4), place & np.uint32(15)
+            a, b = halves(outputs[block, 2 * k, lane])
+            c, d = halves(outputs[block, 2 * k + 1, lane])
+            out[sample >> 4, 4 + k, sample & 15] = word(a, b, c, d, scale)
 
 
 @njit

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from vividc import KernelFunction
+from vividc.gemm.packed import packed
 from vividc.render.array import Device
 from vividc.render.array.device.blocks import in_blocks
 from vividc.render.array.device.launch import Gathered, Launch, Move
@@ -133,10 +134,20 @@ class HostKept:
     def features(self) -> np.ndarray:
         return self.computed
 
-    def in_blocks(self, kernel: str, of_rays: np.ndarray, words: int) -> np.ndarray:
-        rows = np.concatenate((of_rays[self.rays], self.computed.view(np.uint32)), axis=1)
+    def in_blocks(
+        self, kernel: str, of_rays: np.ndarray, words: int, scalars: Mapping[str, np.float32]
+    ) -> np.ndarray:
+        own = as_float8(self.computed, scalars["scale"])[: len(self.where)]
+        rows = np.concatenate((of_rays[self.rays], own), axis=1)
         assert rows.shape[1] == words
         return np.ascontiguousarray(in_blocks(rows).transpose(0, 2, 1))
+
+
+def as_float8(blocks: np.ndarray, scale: np.float32) -> np.ndarray:
+    """Words of four float8 by sample, [n, F / 2], of blocks [B, F, 16] of two float16 in a word."""
+    words = np.ascontiguousarray(blocks.view(np.uint32).transpose(0, 2, 1))
+    numbers = words.view(np.float16).astype(np.float32).reshape(-1, 2 * blocks.shape[1])
+    return packed(numbers * scale, "e4m3").view(np.uint32)
 
 
 def samples_of(march: March, count: int) -> tuple[Float32Array, Float32Array]:

@@ -33,6 +33,8 @@ _RAY_WORDS: Final = 4
 _ARRAYS: Final = 4
 """Of a kernel that makes blocks."""
 _COMPACTION: Final = "compaction"
+_ROWS: Final = 2
+"""Dimensions of features that are not in blocks."""
 
 
 def items(piece: Piece) -> Words:
@@ -136,8 +138,9 @@ class Densities:
     Attributes
     ----------
     thickness, features
-        [n] optical thickness of one step, and [n, F]; both are C-contiguous. What features mean is
-        the field's own affair, `Kept.features` gives rows of them.
+        [n] optical thickness of one step, and [n, F] or blocks of 16 samples [B, F, 16]; both are
+        C-contiguous. What features mean is the field's own affair, `Kept.features` gives rows of
+        them.
     places
         [n] where each sample's are, counted from its piece's first; None: in the samples' order.
     """
@@ -208,7 +211,7 @@ class Kept(Listed):
     pieces
         Some have no samples.
     computed
-        [m, F] features of all samples.
+        Features of all samples, as of `Densities`.
     lookahead
         Whether some of the samples are left out.
     """
@@ -253,38 +256,51 @@ class Kept(Listed):
         fields.run(self.device, _COMPACTION, f"{MARCHING}:keep_rows", filled(self.pieces))
         return kept.view(computed.dtype)
 
-    def in_blocks(self, kernel: str, of_rays: UInt32Array, words: int) -> UInt32Array:
-        """Return what a kernel makes of words [R, 4] of their rays and of their features,
+    def in_blocks(
+        self, kernel: str, of_rays: UInt32Array, words: int, scalars: Mapping[str, object]
+    ) -> UInt32Array:
+        """Return what a kernel makes of words [R, 4] of their rays and of blocks of features,
         [B, words, 16] uint32: of each piece as many blocks as it takes, and the last one filled up
-        with its last sample. Launches of a piece share its rows.
+        with its last sample. Launches of a piece share its features.
 
         Parameters
         ----------
         kernel
-            Gets `rows`, [m, F] features as words of all samples of a piece, `of_rays`, [64, 4] of
-            its rays, `items`, as in kernels/render/marching.py, and `out`.
+            Gets `outputs`, [m, F, 16] blocks as words in which samples of a piece are, `first`,
+            which of the first block's samples is the piece's first, `of_rays`, [64, 4] of its
+            rays, `items`, as in kernels/render/marching.py, the scalars, and `out`.
         """
-        rows = self.computed.view(np.uint32)
+        computed = self.computed.view(np.uint32)
         ends = accumulate((-(-length // BLOCK) for length in self.lengths), initial=0)
         *_, (_, count) = places = list(pairwise(ends))
         out = np.zeros((count, words, BLOCK), dtype=np.uint32)
-        at_once = self._blocks_at_once(rows.shape[1], words)
+        at_once = self._blocks_at_once(computed.shape[1], words)
         launches = []
         for piece, (first, last) in zip(self.pieces, places, strict=True):
-            shared = {"rows": rows[piece.places], "of_rays": of_rays[piece.rays]}
+            before, behind = piece.places.start, piece.places.stop
+            blocks = computed[before // BLOCK : -(-behind // BLOCK)]
+            shared = {"outputs": blocks, "of_rays": of_rays[piece.rays]}
+            given = {"first": before % BLOCK, **scalars}
             for start in range(first, last, at_once):
                 end = min(start + at_once, last)
                 some = piece.items[BLOCK * (start - first) : BLOCK * (end - first)]
                 made, cost = out[start:end], len(some) + LAUNCH_SAMPLES
-                launches.append(Launch({}, {"items": some}, {"out": made}, shared, cost=cost))
+                launches.append(
+                    Launch({}, {"items": some}, {"out": made}, shared, scalars=given, cost=cost)
+                )
         self.device.run(_COMPACTION, kernel, launches)
         return out
 
     def _blocks_at_once(self, width: int, words: int) -> int:
-        """Return how many blocks fit twice beside the rows of two pieces."""
-        most = max(len(range(*piece.places.indices(len(self.computed)))) for piece in self.pieces)
-        held = width * most + _RAY_WORDS * RAYS
+        """Return how many blocks fit twice beside the features of two pieces."""
+        most = max(piece.places.stop - piece.places.start for piece in self.pieces)
+        held = width * (most + 2 * BLOCK) + _RAY_WORDS * RAYS
         return max(1, self.device.fitting(BLOCK * (1 + words), 2 * held, _ARRAYS))
+
+
+def asks_for_numbers(features: Features) -> bool:
+    """Whether the survivors' numbers are needed for theirs: DMA gathers their rows."""
+    return features.ndim == _ROWS and not is_narrow(features)
 
 
 def is_narrow(features: Features) -> bool:

@@ -6,6 +6,8 @@ from abc import ABC, abstractmethod
 from itertools import accumulate, pairwise
 from typing import Final
 
+import numpy as np
+
 from vividc.render.array.device.blocks import BLOCK, batches, room_for
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.gather import gather_rows
@@ -51,6 +53,8 @@ class PointField(ArrayField):
     """Samples that go through the stages together; a multiple of a block's."""
     words = 0
     """Of a point's features."""
+    are_in_blocks = False
+    """Whether features are blocks [B, words, 16] of samples, and not rows."""
 
     def densities(self, listed: Listed) -> Densities:
         """Return what samples have, in their order."""
@@ -66,13 +70,18 @@ class PointField(ArrayField):
         return Colours([rgb[first:last] for first, last in pairwise(bounds)])
 
     def density(self, points: Float32Array) -> tuple[Float32Array, Features]:
-        """Return optical thickness [n] of one step at `points` [n, 3], and features [n, words]."""
+        """Return optical thickness [n] of one step at `points` [n, 3], and features [n, words], or
+        in blocks.
+        """
         count = len(points)
         thickness, features = room_for(count), room_for(count, self.words)
+        if self.are_in_blocks:
+            features = np.ascontiguousarray(features.swapaxes(1, 2))
         for place, (blocks,) in batches(self.batch, points):
             self._density(blocks, thickness[place], features[place])
-        rows = features.reshape(len(features) * BLOCK, self.words)
-        return thickness.reshape(-1)[:count], rows[:count]
+        if not self.are_in_blocks:
+            features = features.reshape(len(features) * BLOCK, self.words)[:count]
+        return thickness.reshape(-1)[:count], features
 
     def colour(
         self, features: Features, points: Float32Array, directions: Float32Array
@@ -89,7 +98,9 @@ class PointField(ArrayField):
     def _density(
         self, points: Float32Array, thickness: Float32Array, features: Float32Array
     ) -> None:
-        """Put into [B, 16] and [B, 16, words] what blocks of points [B, 16, 3] have."""
+        """Put into [B, 16] and [B, 16, words], or [B, words, 16], what blocks of points [B, 16, 3]
+        have.
+        """
 
     @abstractmethod
     def _colour(

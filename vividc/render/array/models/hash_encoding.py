@@ -120,11 +120,12 @@ class HashEncoding:
     ) -> Launch:
         samples, width = len(part.points), self._words
         features = out[part.blocks, width * number : width * (number + 1)]
+        made = features[:, 0].view(np.uint32) if self.is_fp8 else features
         one, other = levels
         caches = ("seen", "where", "seen_1", "where_1")
         return Launch(
             shapes={"slots": (samples + _PAIR,)},
-            outputs={"out": features.view(np.uint32) if self.is_fp8 else features},
+            outputs={"out": made},
             shared={"points": part.points},
             fetched={"rows": Fetched(self.table, _CORNERS * room, _FIRST)},
             work={**dict.fromkeys(caches, (_CACHE,)), "cells": (_PAIR * samples,)},

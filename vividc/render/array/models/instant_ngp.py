@@ -23,6 +23,8 @@ from vividc.render.radiance.instant_ngp import DIRECTION_TERMS
 
 _LANES: Final = 4
 """Numbers of float8 in a word."""
+_HALVES: Final = 2
+"""The same of float16."""
 _KERNELS: Final = "render/instant_ngp"
 
 
@@ -58,7 +60,8 @@ class InstantNGPField(PointField):
         swapped = np.concatenate((first[-DIRECTION_TERMS:], first[:-DIRECTION_TERMS]))
         swapped = np.pad(swapped, ((0, missing), (0, 0)))
         self._colour_network = network(dense_layers([swapped, *others]), precision, rgb)
-        self.words = last.shape[1] // (_LANES if is_fp8 else 1)
+        self.words = last.shape[1] // (_HALVES if is_fp8 else 1)
+        self.are_in_blocks = is_fp8
         if is_fp8:
             words = device.scratchpad_bytes // WORD_BYTES
             self.most_samples = int(NGP_ROWS * words) // self.words
@@ -72,7 +75,8 @@ class InstantNGPField(PointField):
             return super().colours(kept)
         # A direction is encoded once for all samples of its ray.
         kernel = f"{_KERNELS}:colour_inputs_fp8"
-        inputs = kept.in_blocks(kernel, self._encoded(kept.directions), net.inputs)
+        scalars = {"scale": net.scale}
+        inputs = kept.in_blocks(kernel, self._encoded(kept.directions), net.inputs, scalars)
         rgb = np.empty((len(inputs), BLOCK, 3), dtype=np.float32)
         for first in range(0, len(inputs), self.batch // BLOCK):
             place = slice(first, first + self.batch // BLOCK)
@@ -93,11 +97,13 @@ class InstantNGPField(PointField):
             "limit": np.float32(self._model.exponent_max),
             "step": np.float32(self._model.march.step),
         }
-        if net.is_fp8:
-            scalars["scale"] = self._colour_network.scale
-        made = {"thickness": thickness, "features": net.bits(features)}
-        kernel = net.named(f"{_KERNELS}:density")
-        run_blocks(device, "density", kernel, {"x": net.bits(outputs)}, made, scalars)
+        kernel, given = net.named(f"{_KERNELS}:density"), net.bits(outputs)
+        made = {"thickness": thickness}
+        if net.is_fp8:  # the outputs are the features
+            features[...], given = outputs, given[:, 0]
+        else:
+            made["features"] = features
+        run_blocks(device, "density", kernel, {"x": given}, made, scalars)
 
     def _colour(
         self,
