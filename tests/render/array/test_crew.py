@@ -16,6 +16,7 @@ from vividc.render.array.device.frame import Stage
 from vividc.render.array.march import batches, crew
 from vividc.render.array.march.crew import Batch, Work, processes_for, share_out
 from vividc.render.array.march.depths import Blocks
+from vividc.render.array.march.marching import steps_of
 
 MIC = Path(__file__).parents[3] / "scenes" / "mic"
 BATCHES = [
@@ -99,6 +100,30 @@ def test_few_batches_are_not_worth_a_helper(monkeypatch: pytest.MonkeyPatch) -> 
     assert [processes_for(count) for count in (0, 1, 3, 4, 100)] == [1, 1, 1, 2, 2]
     monkeypatch.setattr(os, "cpu_count", lambda: 64)
     assert processes_for(100) == 4
+
+
+@pytest.mark.parametrize("count", [0, 1, 40, 600, 1100, 2830])
+@pytest.mark.parametrize("depths", ["alike", "growing", "none", "everywhere"])
+def test_batches_have_as_many_steps_each(count: int, depths: str) -> None:
+    far = {
+        "alike": np.full(count, 2.0),
+        "growing": 1 + 3 * np.arange(count) / max(count, 1),
+        "none": np.full(count, 1.0),
+        "everywhere": np.full(count, 3e38),
+    }[depths]
+    corners = np.stack((np.arange(count), np.zeros(count)), axis=1).astype(np.int32)
+    blocks = Blocks(corners, np.stack((np.ones(count), far), axis=1).astype(np.float32))
+    march = read_scene(MIC / "mic_kilonerf.npz")[1].march
+    cut = batches.batches_of(march, blocks)
+    assert sum(map(len, cut)) == count
+    assert all(len(part) for part in cut)
+    if cut:
+        np.testing.assert_array_equal(np.concatenate([part.corners for part in cut]), corners)
+    assert len(cut) == {0: 0, 1: 1, 40: 1, 600: 2, 1100: 3, 2830: 7}[count]
+    if len(cut) > 1:
+        first, *others = (steps_of(march, part).sum() for part in cut)
+        assert first < 0.6 * max(others)
+        assert max(others) < 1.1 * min(others)
 
 
 @posix

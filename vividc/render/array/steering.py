@@ -10,7 +10,9 @@ from __future__ import annotations
 from typing import Final
 
 BLOCKS_AT_ONCE: Final = 512
-"""Blocks of pixels of a batch. Not measured: memory of the host, and what helpers share."""
+"""Blocks of pixels of a batch on average. Not measured: memory of the host, what helpers share."""
+FIRST_BATCH: Final = 0.5
+"""Of the steps of another batch that the first one has, which helpers wait for. Not measured."""
 STEPS_AT_ONCE: Final = (8, 4, 2, 1)
 """Steps of all rays that are looked at before their cells, the best first that there is room for:
 loops have to fill. Of `mic` there is room for no more than four.
@@ -43,9 +45,9 @@ NGP_BATCH: Final = 131_072
 """Samples of Instant-NGP that go through its stages together: a frame takes 1.1 % more with half as
 many.
 """
-NGP_ROWS: Final = 0.375
+NGP_ROWS: Final = 0.44
 """Of a scratchpad for the features of a piece, which it holds twice: a frame takes 0.3 % more with
-0.25.
+0.3.
 """
 TENSORF_BATCH: Final = 65_536
 """The same of TensoRF: with fewer 7.8 frames a second in place of 8.7, when it was chosen."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -11,13 +12,14 @@ from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.march.crew import Batch, Work, share_out
 from vividc.render.array.march.depths import Blocks, seen_blocks
-from vividc.render.array.march.marching import Marcher
+from vividc.render.array.march.marching import Marcher, steps_of
 from vividc.render.array.models.field import ArrayField
 from vividc.render.array.options import ArrayOptions
 from vividc.render.array.pieces import SIDE
-from vividc.render.array.steering import BLOCKS_AT_ONCE
+from vividc.render.array.steering import BLOCKS_AT_ONCE, FIRST_BATCH
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.camera import Camera
+from vividc.render.radiance import March
 
 _DEFAULT: Final = ArrayOptions()
 
@@ -56,9 +58,7 @@ def render_blocks(
     seen = seen_blocks(device, field.march, camera, corners)
     ledger = device.settle()
     ledger.count(rays=int(inside.prod(axis=1).sum()), empty_blocks=len(corners) - len(seen))
-    batches = [
-        seen[first : first + BLOCKS_AT_ONCE] for first in range(0, len(seen), BLOCKS_AT_ONCE)
-    ]
+    batches = batches_of(field.march, seen)
     for part, (pixels, cost) in zip(batches, share_out(work, batches, render, tell), strict=True):
         ledger.merge(cost)
         for (column, row), block in zip(part.corners, pixels, strict=True):
@@ -66,6 +66,19 @@ def render_blocks(
             shown = block.reshape(SIDE, SIDE, 4)[:height, :width, :3]
             image[row : row + height, column : column + width] = shown
     return image, ledger
+
+
+def batches_of(march: March, blocks: Blocks) -> list[Blocks]:
+    """Return blocks in batches of about as many steps of rays, of `BLOCKS_AT_ONCE` on average. The
+    first one is smaller: helpers wait for it, as its kernels are compiled; behind it is an even
+    number, for two processes.
+    """
+    number = -(-len(blocks) // BLOCKS_AT_ONCE)
+    number += number > 2 and number % 2 == 0  # noqa: PLR2004 - less than two behind the first
+    steps = np.cumsum(steps_of(march, blocks))
+    ends = (np.arange(number - 1) + FIRST_BATCH) / (number - 1 + FIRST_BATCH)
+    cuts = np.unique([0, *np.searchsorted(steps, ends * steps[-1:]), len(blocks)])
+    return [blocks[first:last] for first, last in pairwise(cuts.tolist())]
 
 
 def batch_renderer(

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
@@ -35,7 +36,7 @@ from vividc.render.array.records import (
     Fields,
     Kept,
     Listed,
-    is_narrow,
+    asks_for_numbers,
     items,
     of_blocks,
     of_pieces,
@@ -169,7 +170,7 @@ class Marcher:
 
         Their numbers are left in the scratchpads if nobody asks for them.
         """
-        asks = self._lookahead and not is_narrow(found.features)
+        asks = self._lookahead and asks_for_numbers(found.features)
         listed, numbers = np.zeros((2, len(found.thickness)), dtype=np.int32)
         weights_of = np.zeros_like(found.thickness)
         left = np.ones(rays, dtype=np.float32)
@@ -223,10 +224,14 @@ class Marcher:
 
 def parts_of(march: March, blocks: Blocks, at_once: int) -> list[int]:
     """Return how many parts of some steps each block's rays have at most."""
-    between = (blocks.depths[:, 1].astype(np.float64) - blocks.depths[:, 0]) / march.step
-    steps = np.clip(between + 2, 0, march.samples)  # both ends lie within a step
-    parts: list[int] = np.ceil(steps / at_once).astype(np.int64).tolist()
+    parts: list[int] = np.ceil(steps_of(march, blocks) / at_once).astype(np.int64).tolist()
     return parts
+
+
+def steps_of(march: March, blocks: Blocks) -> npt.NDArray[np.float64]:
+    """Return how many steps the rays of each block have at most."""
+    between = (blocks.depths[:, 1].astype(np.float64) - blocks.depths[:, 0]) / march.step
+    return np.clip(between + 2, 0, march.samples)  # both ends lie within a step
 
 
 def _in_order(kernel: str, places: Int32Array | None) -> str:
