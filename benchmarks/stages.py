@@ -7,17 +7,17 @@ from collections.abc import Iterator, Mapping
 from typing import Final
 
 from benchmarks.paper import SCENES
+from benchmarks.quality import WEIGHTS
 from vividc.launch import JobStats
-from vividc.paper.scenes import GAUSSIANS, METHODS, MIC
+from vividc.paper.scenes import METHODS, MIC
 from vividc.render import psnr, read_scene, render_reference
-from vividc.render.array import ArrayFrame, ArrayOptions, Stage, render_array
+from vividc.render.array import ArrayFrame, ArrayOptions, render_array
 from vividc.render.arrays import Float32Array
 
 TITLE: Final = "Frames stage by stage"
 NOTES: Final = """\
-`mic` at 800x800, lookahead culling, FP8, DRAM of 32 bytes a cycle, 16 tiles at 1 GHz. Of the
-ray-marched methods a twentieth of the blocks of pixels is simulated, chosen by their work; cycles
-are of whole frames.
+`mic` at 800x800, lookahead culling, FP8, DRAM of 32 bytes a cycle, 16 tiles at 1 GHz. Every pixel
+is simulated.
 
 - DRAM, NoC: cycles in which they are busy, over the stage's.
 - FUs: issue slots used, over those of all tiles.
@@ -28,17 +28,15 @@ are of whole frames.
 - binds: what is used most, DRAM, the NoC or FUs: no stage is faster than with that at 100 %. Of
   stages below half of it, also what tiles wait for most, or "own code" where that is what is left.
 
-The last table leaves out samples of little weight (`--weight-min`, docs/rendering.md, which says
-what that costs against photographs).
+The last table leaves out samples of little weight (`--weight-min`); `quality.md` has what that
+loses against photographs.
 """.splitlines()
 HEADER: Final = (
     "| method | stage | M cycles | share | jobs | runs | DRAM | NoC | FUs | transfers | programs "
     "| banks | idle | binds |\n"
     "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
 )
-_THRESHOLDS: Final = (0.0, 3e-3, 1e-2)
-"""The first one is the frame's of the table above."""
-_SIDE, _SAMPLE = 800, 0.05
+_SIDE = 800
 _HALF: Final = 0.5
 _LEAST: Final = 0.005
 """Share of a stage that has a line of its own."""
@@ -51,17 +49,17 @@ def rows(*_: object) -> Iterator[str]:
         _, scene = read_scene(SCENES.models()[MIC][method])
         camera, _ = SCENES.view(MIC, method, 0, _SIDE, scene)
         reference = render_reference(scene, camera).image
-        sample, thresholds = (1.0, ()) if method == GAUSSIANS else (_SAMPLE, _THRESHOLDS)
-        frame = render_array(scene, camera, ArrayOptions(sample=sample, precision="fp8"))
+        frame = render_array(scene, camera, ArrayOptions(precision="fp8"))
         yield from _rows(method, frame, _near(frame, reference))
-        for weight_min in thresholds:
+        if method not in WEIGHTS:
+            continue
+        for weight_min in (0.0, *WEIGHTS[method]):
             if weight_min:
-                options = ArrayOptions(sample=sample, precision="fp8", weight_min=weight_min)
+                options = ArrayOptions(precision="fp8", weight_min=weight_min)
                 frame = render_array(scene, camera, options)
-            samples = frame.counts["colour_samples"] / frame.sampled
             fewer.append(
-                f"| {method} | {weight_min:g} | {samples / 1e6:.2f} | {frame.frames_a_second:.1f} "
-                f"| {_near(frame, reference):.1f} |"
+                f"| {method} | {weight_min:g} | {frame.counts['colour_samples'] / 1e6:.2f} "
+                f"| {frame.frames_a_second:.1f} | {_near(frame, reference):.1f} |"
             )
     yield ""
     yield "| method | `--weight-min` | M colour samples | frames/s | dB to float32 |"
@@ -70,13 +68,12 @@ def rows(*_: object) -> Iterator[str]:
 
 
 def _near(frame: ArrayFrame, reference: Float32Array) -> float:
-    """Decibel of the simulated pixels, to the float32 picture that leaves out nothing."""
-    seen = slice(None) if frame.simulated is None else frame.simulated
-    return psnr(frame.image[seen], reference[seen])
+    """Decibel to the float32 picture that leaves out nothing."""
+    return psnr(frame.image, reference)
 
 
 def _rows(method: str, frame: ArrayFrame, near: float) -> Iterator[str]:
-    whole = {stage.name: stage.cycles / _share(stage, frame) for stage in frame.stages}
+    whole = {stage.name: stage.cycles for stage in frame.stages}
     total = sum(whole.values())
     yield (
         f"| **{method}** | {frame.frames_a_second:.1f} frames/s, {near:.1f} dB to float32 "
@@ -97,10 +94,6 @@ def _rows(method: str, frame: ArrayFrame, near: float) -> Iterator[str]:
                 f"| | {stage.name} | {' | '.join(map(str, (*shown, *parts)))} "
                 f"| {binds(used, waits)} |"
             )
-
-
-def _share(stage: Stage, frame: ArrayFrame) -> float:
-    return 1.0 if stage.whole else frame.sampled
 
 
 def _of_jobs(stats: list[JobStats]) -> tuple[dict[str, float], dict[str, float]]:
