@@ -27,7 +27,7 @@ SIZES: Final = (200, 400, 800)
 NOTES: Final = (
     f"Each frame has a process of its own; rows are kept in `{ROWS}` and not measured again:",
     "delete them after a change of the renderers. `vivid`, 16 tiles at 1 GHz; every stage on the",
-    "array. Those of 3DGS and KiloNeRF are of before 2026-11-28, and `stages.md` has today's.",
+    "array. Float32 frames of ray-marched methods are of an earlier day than those in FP8.",
     "",
     "PSNR is the mean over the views, of the clipped pictures against photographs, as they are",
     "against float32 on the host. The array renders three of the held-out photographs' views (25",

@@ -92,7 +92,7 @@ def _losses() -> Iterator[str]:
             fewer = [_seen(scene, views, least) for views in sides]
             lost = [whole[side][0] - fewer[side][0] for side in range(len(sides))]
             samples = sum(found[1] for found in fewer) / sum(found[1] for found in whole)
-            means = (f"{mean(part):.2f}" for part in (*lost, np.concatenate(lost)))
+            means = (f"{round(mean(part), 2) + 0.0:.2f}" for part in (*lost, np.concatenate(lost)))
             yield f"| {method} | {least:g} | {samples - 1:.0%} | {' | '.join(means)} |"
 
 
