@@ -69,7 +69,8 @@ def job_stats(steps: Sequence[Step], outcome: Outcome, timing: Timing) -> JobSta
     tiles = [_tile_stats(tile, runs[tile], timing) for tile in sorted(runs)]
     operations: Counter[str] = Counter()
     for region in (r for run in outcome.runs.values() for r in run.regions):
-        operations.update(region.issued)
+        for name, count in region.issued.items():
+            operations[name] += count
     pes = max((len(p.fabric.pes) for rs in runs.values() for p, _ in rs), default=1)
     whole = pes * len(tiles) * timing.cycles
     activity = Activity.total(run.activity for run in outcome.runs.values())
@@ -140,14 +141,16 @@ def _joined_tile(number: int, parts: Sequence[JobStats], pes: int) -> TileStats:
 
 def _tile_stats(tile: int, runs: list[tuple[Program, Run]], timing: Timing) -> TileStats:
     state = timing.tiles[tile]
-    cycles = dict.fromkeys((*_USES, "idle"), 0)
-    stalls = {"bank": 0, **state.stalls}
+    cycles = dict.fromkeys((*_USES, "bank_stall", "idle"), 0)
     issued = 0
     for program, run in runs:
-        for use, count in _uses(program, run).items():
-            cycles[use] += count
-        stalls["bank"] += sum(region.bank_stalls for region in run.regions)
-        issued += sum(sum(region.issued.values()) for region in run.regions)
+        cycles["switch"] += run.switch_cycles
+        for row, region in zip(program.table, run.regions, strict=True):
+            if region.entries:
+                for use, count in cycles_by_use(row, region).items():
+                    cycles[use] += count
+                issued += sum(region.issued.values())
+    stalls = {"bank": cycles.pop("bank_stall"), **state.stalls}
     cycles["idle"] = timing.cycles - state.free_from
     slots = len(runs[0][0].fabric.pes) * timing.cycles
     return TileStats(
@@ -158,11 +161,3 @@ def _tile_stats(tile: int, runs: list[tuple[Program, Run]], timing: Timing) -> T
         issued=issued,
         utilization=issued / slots if slots else 0.0,
     )
-
-
-def _uses(program: Program, run: Run) -> dict[str, int]:
-    """The cycles of a run, bank stalls left out."""
-    pairs = zip(program.table, run.regions, strict=True)
-    cycles = summed(cycles_by_use(row, region) for row, region in pairs)
-    cycles["switch"] = run.switch_cycles
-    return {use: cycles[use] for use in _USES}

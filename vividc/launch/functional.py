@@ -181,13 +181,11 @@ class _State:
         assert isinstance(step, Execute)
         self.outcome.runs[number] = run
         pad, after = self._pads[step.tile].view(np.uint8), run.memory.view(np.uint8)
-        for start, end in step.stores.values():
+        own = (step.extents[local.name] for local in step.program.locals)
+        for start, end in (*step.stores.values(), *own):
             pad[start:end] = after[start:end]
-        own = {local.name for local in step.program.locals}
-        for name, (start, end) in step.extents.items():
-            if name in own:
-                pad[start:end] = after[start:end]
-            elif not np.array_equal(pad[start:end], after[start:end]):
-                raise InternalError(
-                    f"a chunk of {step.program.name} wrote beyond its part of {name}"
-                )
+        if not np.array_equal(self._pads[step.tile], run.memory):
+            first = int(np.flatnonzero(pad != after)[0])
+            raise InternalError(
+                f"a run of {step.program.name} wrote byte {first}, which it was not said to write"
+            )

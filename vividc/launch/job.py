@@ -29,6 +29,7 @@ from vividc.sim.footprint.footprint import whole_loop
 from vividc.sim.run import CYCLE_LIMIT, check_run
 from vividc.sim.tile import AUTO, check_engine
 
+_WHOLE = (int, np.integer)
 _IMAGES: Kept[tuple[Fabric, Fabric, Program]] = Kept(256)
 """Mirrored programs, by program and corner, with the fabrics between which they were mirrored."""
 
@@ -359,7 +360,7 @@ class Job:
     def _tiles(self, tiles: int | Sequence[int]) -> tuple[int, ...]:
         hint = "give a tile's number, or a sequence of them"
         demand_type(tiles, (int, np.integer, tuple, list, range, np.ndarray), "tiles", hint)
-        chosen = (tiles,) if isinstance(tiles, int | np.integer) else tuple(tiles)
+        chosen = (tiles,) if isinstance(tiles, _WHOLE) else tuple(tiles)
         for tile in chosen:
             demand_type(tile, (int, np.integer), "a tile", hint)
         count = len(self.accelerator.units)
@@ -376,7 +377,7 @@ class Job:
         self, address: int, size: int, tiles: tuple[int, ...], what: str = "the array"
     ) -> None:
         demand_type(address, (int, np.integer), "the address", "give a whole number of bytes")
-        room = min(self.accelerator.units[tile].scratchpad.size_bytes for tile in tiles)
+        room = min([self.accelerator.units[tile].scratchpad.size_bytes for tile in tiles])
         if address < 0 or address + size > room:
             raise ArgumentError(
                 f"{what} would lie at bytes {address} to {address + size}, and the scratchpad has "
@@ -441,7 +442,7 @@ def _bound(
                 f"array {param.name} of {program.name} is given as At(address, shape) with "
                 f"{param.ndim} dimension(s)"
             )
-        if math.prod(max(size, 1) for size in place.shape) > MAX_ELEMENTS:
+        if math.prod([max(size, 1) for size in place.shape]) > MAX_ELEMENTS:
             raise ArgumentError(f"array {param.name} of {program.name} has shape {place.shape}")
         size = math.prod(place.shape) * param.dtype.size_bytes
         extents[param.name] = (place.address, place.address + size)
@@ -458,8 +459,8 @@ def _is_place(place: At, ndim: int) -> bool:
     """Return whether address and shape are integers, with one size per axis."""
     if not isinstance(place.shape, tuple | list) or len(place.shape) != ndim:
         return False
-    whole = (isinstance(n, int | np.integer) and n >= 0 for n in (place.address, *place.shape))
-    return all(whole)
+    sizes = (place.address, *place.shape)
+    return all([isinstance(n, _WHOLE) for n in sizes]) and min(sizes) >= 0
 
 
 def _refuse_overlap(program: Program, extents: ReadOnly[str, tuple[int, int]]) -> None:

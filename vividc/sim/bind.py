@@ -188,7 +188,7 @@ def refuse_other_sizes(program: Program, inputs: Mapping[str, int]) -> None:
     got = {
         param.name: _launched(param, inputs)
         for param in program.params
-        if any(inputs[key] != word for key, word in param.known_words.items())
+        if param.known and any(inputs[key] != word for key, word in param.known_words.items())
     }
     if got:
         wanted = {name: program.sizes[name] for name in got}

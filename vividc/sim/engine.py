@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import astuple, dataclass, field
+from dataclasses import dataclass, field, fields
+from operator import attrgetter
 from typing import Protocol
 
 import numpy as np
@@ -96,8 +97,11 @@ class Activity:
     @staticmethod
     def total(parts: Iterable[Activity]) -> Activity:
         """The sum of `parts`."""
-        counts = [astuple(part) for part in parts]
+        counts = [_counts_of(part) for part in parts]
         return Activity(*map(sum, zip(*counts, strict=True)))
+
+
+_counts_of = attrgetter(*(count.name for count in fields(Activity)))
 
 
 @dataclass(frozen=True, slots=True)

@@ -83,9 +83,19 @@ class Totals:
 
     def region_run(self) -> RegionRun:
         """The part of a run's result."""
+        if not self.fields[0]:
+            return _NEVER_RAN
         entries, iterations, cycles, stalls = self.fields[: len(_TIMES)]
         issued = dict(sorted(self.issued.items()))
-        return RegionRun(entries, iterations, cycles, stalls, issued, activity([self]))
+        moved = Activity(*self.fields[len(_TIMES) :])
+        return RegionRun(entries, iterations, cycles, stalls, issued, moved)
+
+
+_NEVER_RAN: Final = RegionRun(0, 0, 0, 0, {})
+
+
+_NOTHING: Final = Totals()
+"""Of a region that was never entered."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +118,8 @@ class RegionCounts:
 
     def totals(self, sums: Vector) -> Totals:
         """What the code of the region counted; `sums` begins with the region's."""
+        if not sums[Sum.ENTRIES]:
+            return _NOTHING
         values = (self.matrix @ sums[: self.matrix.shape[1]]).tolist()
         issues = zip(self.ops, values[len(_FIELDS) :], strict=True)
         return Totals(values[: len(_FIELDS)], {op: count for op, count in issues if count})
@@ -198,8 +210,8 @@ class _Counter:
 
 def activity(totals: Sequence[Totals]) -> Activity:
     """The activity of a whole run."""
-    columns = zip(*(total.fields[len(_TIMES) :] for total in totals), strict=True)
-    return Activity(*map(sum, columns))
+    ran = [total.fields[len(_TIMES) :] for total in totals if total.fields[0]]
+    return Activity(*map(sum, zip(*ran, strict=True)))
 
 
 def _most(flow: RegionFlow, op: FlowOp) -> int:
