@@ -19,7 +19,7 @@ TEN = np.uint32(10)
 AXIS = np.uint32(1023)
 SPREAD = np.uint32(2654435769)
 NOT_PLACES = np.uint32(25)
-"""Bits of a product that do not say which of 128 places is a cell's."""
+"""Shift that leaves the upper seven bits of a product: one of 128 places."""
 PRIME_Y = np.uint32(2654435761)
 PRIME_Z = np.uint32(805459861)
 LOW = np.uint32(0xFFFF)

@@ -79,7 +79,8 @@ class Buffers:
 
     def rows(self, view: Array, indices: NDArray[np.int64], granule: int) -> Pieces:
         """The places of `view[indices]`; rows that follow each other in the array are one, and so
-        are those in a row that lie in one granule of DRAM, of so many bytes.
+        are all in a row that lie in one granule of DRAM, of so many bytes, if they are together no
+        longer than it.
         """
         number, row = self.number(view), view[:1].nbytes
         firsts = np.flatnonzero(np.diff(indices, prepend=-2) != 1)
@@ -144,8 +145,8 @@ def _flat(root: Array) -> NDArray[np.uint8]:
 def _in_granules(
     starts: NDArray[np.int64], sizes: NDArray[np.int64], granule: int
 ) -> NDArray[np.int64]:
-    """Pieces in a row that lie in one granule, and are together no longer than it, as one, which
-    lies in it somewhere.
+    """All pieces in a row that lie in one granule, if they are together no longer than it, as one
+    of so many bytes, whose start only says which granule.
     """
     inside = starts // granule
     alone = inside != (starts + sizes - 1) // granule

@@ -169,6 +169,19 @@ def test_features_that_fill_no_words_are_filled_up(host: Host) -> None:
     assert np.abs(found - exact).max() < 0.12
 
 
+def test_a_piece_has_no_more_samples_than_items_can_number(
+    monkeypatch: pytest.MonkeyPatch, host: Host
+) -> None:
+    """Of a larger scratchpad there would be room for more."""
+    model = read_scene(MIC / "mic_ngp_hash.npz")[1]
+    found = []
+    for kib in (32, 64, 128, 512):
+        monkeypatch.setattr(host, "scratchpad_bytes", kib << 10)
+        found.append(InstantNGPField(model, host, "fp8").most_samples)
+    assert found[0] < found[1] < 1024
+    assert found[2:] == [1024, 1024]
+
+
 def test_an_accelerator_without_modes_is_refused() -> None:
     net: Network = network([dense_layer(np.ones((4, 4)))], "fp8", [1.0])
     device = open_device("vivid-unit")

@@ -10,9 +10,9 @@ from __future__ import annotations
 from typing import Final
 
 BLOCKS_AT_ONCE: Final = 512
-"""Blocks of pixels of a batch on average. Not measured: memory of the host, what helpers share."""
+"""Blocks of pixels of a batch, on average and at most. Not measured: what helpers share."""
 FIRST_BATCH: Final = 0.5
-"""Of the steps of another batch that the first one has, which helpers wait for. Not measured."""
+"""Steps of the first batch, as a share of another's: helpers wait for it. Not measured."""
 STEPS_AT_ONCE: Final = (8, 4, 2, 1)
 """Steps of all rays that are looked at before their cells, the best first that there is room for:
 loops have to fill. Of `mic` there is room for no more than four.

@@ -69,9 +69,9 @@ def render_blocks(
 
 
 def batches_of(march: March, blocks: Blocks) -> list[Blocks]:
-    """Return blocks in batches of about as many steps of rays, of `BLOCKS_AT_ONCE` on average. The
-    first one is smaller: helpers wait for it, as its kernels are compiled; behind it is an even
-    number, for two processes.
+    """Return blocks in batches of about as many steps of rays, of at most `BLOCKS_AT_ONCE` on
+    average. The first one is smaller: helpers wait for it, as its kernels are compiled. Of more
+    than two an even number is behind it, for two processes.
     """
     number = -(-len(blocks) // BLOCKS_AT_ONCE)
     number += number > 2 and number % 2 == 0  # noqa: PLR2004 - less than two behind the first

@@ -27,7 +27,9 @@ class ArrayField(ABC):
     """
 
     most_samples = 1 << 10
-    """Of a piece: its launches hold what they have by sample in a scratchpad."""
+    """Of a piece, at most: its launches hold what they have by sample in a scratchpad, and ten bits
+    of an item say which of them it is (kernels/render/marching.py).
+    """
 
     def __init__(self, model: Sampled, device: Device) -> None:
         self.march = model.march

@@ -64,7 +64,7 @@ class InstantNGPField(PointField):
         self.are_in_blocks = is_fp8
         if is_fp8:
             words = device.scratchpad_bytes // WORD_BYTES
-            self.most_samples = int(NGP_ROWS * words) // self.words
+            self.most_samples = min(self.most_samples, int(NGP_ROWS * words) // self.words)
         for net in (self._density_network, self._colour_network):
             net.mode(device)
 
