@@ -228,7 +228,7 @@ def from_pairs(rows, first, at):
 @njit
 def pair_corners(rows, total):
     """Rows of a word hold both features of a corner; from here on a word holds a feature of two
-    corners, that to the right in the upper half.
+    corners, the right one in the upper half.
     """
     for c in range(total):
         first = np.uint32((np.uint32(c) << np.uint32(3)) + FIRST)

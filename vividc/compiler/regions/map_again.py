@@ -40,7 +40,8 @@ from vividc.mapper.result import mapping_of
 from vividc.program.encoder.banks import TRIES, choose_layout
 from vividc.program.encoder.checks import span_of
 
-_PAYS, _SAVES = 0.02, 0.002
+_PAYS: Final = 0.02
+_SAVES: Final = 0.002
 """Of the cycles of all loops: stalls that are worth a search, and what has to come of it."""
 
 _SEEDS: Final = range(1, 9)
@@ -48,11 +49,12 @@ _SEEDS: Final = range(1, 9)
 _EFFORT: Final = Effort(moves=6000, rounds=30, repairs=60, trials=1)
 """Of each seed; each comes to other stalls."""
 
-_WEIGHT, _LIGHTER = 10.0, 3.0
+_WEIGHT: Final = 10.0
+_LIGHTER: Final = 3.0
 """How much more than the annealer's cost of a stall one costs in the first search, and by what that
 is divided after each one that maps nothing, down to 1: of eight seeds of a loop of 168 operations
 (hash encoding) all come to 0.6 to 1.6 stalls an iteration at 1, to 0 to 0.9 at 10; of one whose II
-leaves few slots free (splats of a block) one seed maps anything at 10, and most at 3.
+leaves few slots free (splats of a block) only one seed maps at all at 10, and most do at 3.
 """
 
 _SHORTER_PAYS: Final = 0.01
@@ -330,7 +332,9 @@ class _Loops:
         for seed in _SEEDS:
             if deadline.passed or least <= enough or idle == most:
                 break
-            made = self._negotiated(problem, old, seed, deadline, _EFFORT, meetings.times(weight))
+            made = self._negotiated(
+                problem, old, seed, deadline, _EFFORT, meetings.weighted(weight)
+            )
             if made is None and weight > 1.0:
                 weight = max(1.0, weight / _LIGHTER)
                 continue

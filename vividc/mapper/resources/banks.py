@@ -94,8 +94,8 @@ class Meetings:
     accesses: tuple[int, ...] = ()
     stalls: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0, 1)))
 
-    def times(self, weight: float) -> Meetings:
-        """Return the same, each of so much weight."""
+    def weighted(self, weight: float) -> Meetings:
+        """Return the same, each so many times as dear."""
         return Meetings(self.accesses, weight * self.stalls)
 
 

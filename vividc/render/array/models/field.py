@@ -6,8 +6,6 @@ from abc import ABC, abstractmethod
 from itertools import accumulate, pairwise
 from typing import Final
 
-import numpy as np
-
 from vividc.render.array.device.blocks import BLOCK, batches, room_for
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.gather import gather_rows
@@ -78,7 +76,7 @@ class PointField(ArrayField):
         count = len(points)
         thickness, features = room_for(count), room_for(count, self.words)
         if self.are_in_blocks:
-            features = np.ascontiguousarray(features.swapaxes(1, 2))
+            features = features.reshape(len(features), self.words, BLOCK)
         for place, (blocks,) in batches(self.batch, points):
             self._density(blocks, thickness[place], features[place])
         if not self.are_in_blocks:
