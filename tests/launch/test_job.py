@@ -355,3 +355,22 @@ def test_arrays_that_a_kernel_makes_lie_where_they_are_told_to() -> None:
     with pytest.raises(ArgumentError, match="bytes 1024 to 1056 of tile 0, where arrays that turn"):
         job.move_out(0, 1024, rest, after=[run])
     assert job.simulate().values[run] == 7
+
+
+def test_the_words_of_each_corner_do_what_those_they_mirror_do() -> None:
+    """The reference engine runs the words of each tile, the native one those that were compiled."""
+    results = []
+    for engine in ("reference", "native"):
+        rng = np.random.default_rng(4)
+        out = np.zeros((16, 40), np.float32)
+        job = Job("vivid")
+        for tile in range(16):
+            x, y = rng.standard_normal((2, 40)).astype(np.float32)
+            moved = [job.move_in(tile, x, 0), job.move_in(tile, y, 200)]
+            places = {"x": At(0, (40,)), "y": At(200, (40,))}
+            run = job.run(tile, program(saxpy), n=40, **places, after=moved)
+            job.move_out(tile, 200, out[tile], after=[run])
+        result = job.simulate(engine=engine)
+        stats = {name: value for name, value in result.stats.items() if name != "engine"}
+        results.append((out.tobytes(), result.cycles, stats))
+    assert results[0] == results[1]

@@ -77,7 +77,7 @@ class RandomJob:
             self.outcome.runs[number] = SimpleNamespace(cycles=cycles)
             by = self.held[tile]
             code = self.steps[by].programs[0]
-            self.steps.append(Execute(tile, code, {}, {}, {}, by, **chosen))
+            self.steps.append(Execute(tile, code, code, {}, {}, {}, by, **chosen))
         elif kind in ("configure", "run"):
             code = program([saxpy, double, total][int(rng.integers(3))])
             self.steps.append(Configure(several, (code,) * len(several), **chosen))

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from vividc.arch import Accelerator
 from vividc.errors import ArgumentError, InternalError
 from vividc.launch.memory import Buffers, Working
-from vividc.launch.steps import Array, Configure, Execute, Pieces, Step, Transfer
-from vividc.program import WORD_BYTES
+from vividc.launch.steps import Array, Execute, Pieces, Step, Transfer
+from vividc.program import WORD_BYTES, Program
 from vividc.sim.engine import Launch, Run
-from vividc.sim.tile import Tile, shared_tile
+from vividc.sim.tile import REFERENCE, Tile, shared_tile
 
 Memory = NDArray[np.uint32]
 
@@ -60,8 +60,9 @@ def carry_out(
         From a run, or for a gather's index outside its array; no array is changed.
     """
     targets = [s.view for s in steps if isinstance(s, Transfer) and s.kind == "move out"]
-    state = _State(accelerator, buffers, Working(buffers, {buffers.number(v) for v in targets}))
-    state.prepare(steps, engine)
+    working = Working(buffers, {buffers.number(v) for v in targets})
+    state = _State(accelerator, buffers, working, engine)
+    state.prepare(steps)
     with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
         for wave in _waves(waits):
             runs = []
@@ -91,8 +92,11 @@ def _waves(waits: Sequence[tuple[int, ...]]) -> list[list[int]]:
 class _State:
     """Scratchpads, DRAM and tiles while a job is carried out."""
 
-    def __init__(self, accelerator: Accelerator, buffers: Buffers, working: Working) -> None:
+    def __init__(
+        self, accelerator: Accelerator, buffers: Buffers, working: Working, engine: str
+    ) -> None:
         self.working = working
+        self._engine = engine
         self.outcome = Outcome()
         self._buffers = buffers
         self._granule = accelerator.dram.granule_bytes
@@ -101,12 +105,18 @@ class _State:
         self._used: set[int] = set()
         self._tiles: dict[int, Tile] = {}
 
-    def prepare(self, steps: Sequence[Step], engine: str) -> None:
-        """Each program is decoded once."""
+    def prepare(self, steps: Sequence[Step]) -> None:
+        """Each program is decoded once: for all corners, but for the reference engine, which runs
+        the words of each tile.
+        """
         for step in steps:
-            for program in step.programs if isinstance(step, Configure) else ():
+            if isinstance(step, Execute):
+                program = self._decoded(step)
                 if id(program) not in self._tiles:
-                    self._tiles[id(program)] = shared_tile(program, engine)
+                    self._tiles[id(program)] = shared_tile(program, self._engine)
+
+    def _decoded(self, step: Execute) -> Program:
+        return step.program if self._engine == REFERENCE else step.compiled
 
     def _take(self, unit: int) -> None:
         """Discard what other forms of the same tiles held in their scratchpads."""
@@ -164,7 +174,7 @@ class _State:
     def tile(self, step: Step) -> Tile:
         """The tile that holds the program of a run."""
         assert isinstance(step, Execute)
-        return self._tiles[id(step.program)]
+        return self._tiles[id(self._decoded(step))]
 
     def launch(self, step: Step, cycle_limit: int) -> Launch:
         """What the engine gets."""

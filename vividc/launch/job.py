@@ -292,7 +292,7 @@ class Job:
         configured = self._held[tile][1]
         image = self._image(program, tile)
         return self._add(
-            Execute(tile, image, inputs, extents, stores, configured, self._after(after))
+            Execute(tile, image, program, inputs, extents, stores, configured, self._after(after))
         )
 
     def simulate(

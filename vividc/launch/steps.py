@@ -123,6 +123,10 @@ class Execute:
 
     Attributes
     ----------
+    program
+        Mirrored as the tile is.
+    compiled
+        What it is an image of: it gives the same memory in the same cycles.
     inputs
         Word of each launch key.
     extents
@@ -135,6 +139,7 @@ class Execute:
 
     tile: int
     program: Program
+    compiled: Program
     inputs: ReadOnly[str, int]
     extents: ReadOnly[str, tuple[int, int]]
     stores: ReadOnly[str, tuple[int, int]]

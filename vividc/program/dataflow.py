@@ -275,6 +275,8 @@ class _Tracer:
                 selects = [(select, True, port) for port, select in enumerate(entry.links)]
                 selects += [(w.select, False, port) for port, w in enumerate(entry.writes)]
                 for select, is_link, port in selects:
+                    if select.kind is Sel.NONE:
+                        continue
                     source = self._result(slot, pe, select)
                     if source is not None:
                         from_register = select.kind is Sel.RF

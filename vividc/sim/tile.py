@@ -17,11 +17,12 @@ TileResult = Run
 """What a launch on a tile gives: memory, cycles, activity; `engine` names what ran it."""
 
 AUTO: Final = "auto"
+REFERENCE: Final = "reference"
 
 ENGINES: Final[dict[str, EngineFactory]] = {
     AUTO: AutoEngine,
     "native": NativeEngine,
-    "reference": ReferenceEngine,
+    REFERENCE: ReferenceEngine,
 }
 """Engines by name; all give the same `Run` for the same launch, but for the name of the engine."""
 
