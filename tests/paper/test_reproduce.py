@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from vividc.cli import main
 from vividc.errors import VividcError
 from vividc.paper import EXHIBITS, reproduce
 from vividc.paper.frames import ALL_VIEWS, Key, Row, in_child
-from vividc.paper.reproduce import DATA, PAGE, ROWS
+from vividc.paper.reproduce import DATA, PAGE, ROWS, Recipe
 from vividc.paper.scenes import CHECKOUT, METHODS, Scenes
 from vividc.render import SceneError
 
@@ -149,11 +150,13 @@ def test_what_was_not_measured_says_so(tmp_path: Path) -> None:
     assert all(line.because for line in lines)
 
 
-def test_errors(tmp_path: Path) -> None:
+def test_errors(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(VividcError, match="no exhibit 'fig9'"):
         reproduce(tmp_path, only=["fig9"])
-    with pytest.raises(SceneError, match=r"mic_3dgs_sh3\.ply` is in none of"):
-        reproduce(tmp_path, only=["fig6"], scenes=[tmp_path / "nowhere"])
+    with monkeypatch.context() as patched:
+        patched.setattr(sys.modules[Recipe.__module__], "CHECKOUT", tmp_path / "installed")
+        with pytest.raises(SceneError, match=r"mic_3dgs_sh3\.ply` is in none of"):
+            reproduce(tmp_path, only=["fig6"], scenes=[tmp_path / "nowhere"])
     (tmp_path / "file").write_text("")
     with pytest.raises(VividcError, match="cannot be made"):
         reproduce(tmp_path / "file", only=["fig6"])
@@ -189,3 +192,11 @@ def test_a_frame_is_measured_in_a_process_of_its_own(tmp_path: Path) -> None:
     assert row.status == "the process that rendered it died"
     whole = in_child(Key("mic", "3dgs", 8, ALL_VIEWS), Scenes((CHECKOUT,)), str(tmp_path))
     assert whole.status == "no photographs of this size"
+
+
+def test_scenes_of_a_folder_are_beside_those_of_the_checkout(tmp_path: Path) -> None:
+    (tmp_path / "scenes" / "playbot").mkdir(parents=True)
+    frames = Frames()
+    scenes = [tmp_path / "scenes"]
+    report = reproduce(tmp_path / "report", only=["fig1b"], scenes=scenes, measure=frames)
+    assert report.measured == len(frames.keys) > 0

@@ -29,7 +29,7 @@ PAGE: Final = "index.html"
 DATA: Final = "report.json"
 _ROOMS: Final = (*COMPILER, "launch", "sim", "render", "paper")
 _PACKAGES: Final = ("vividc", "numba", "llvmlite", "ortools", "numpy")
-_SECONDS: Final = {"3dgs": 8.0, "kilonerf": 15.0, "instant-ngp": 40.0, "tensorf": 100.0}
+_SECONDS: Final = {"3dgs": 5.0, "kilonerf": 7.0, "instant-ngp": 18.0, "tensorf": 42.0}
 """About what a frame takes two cores: 800x800, a twentieth of a NeRF's blocks, FP8 or FP32."""
 _SCALE: Final = 0.05 * 800 * 800
 
@@ -104,7 +104,7 @@ def reproduce(
     quick
         Pictures of 200x200, of which a twentieth is simulated, in place of 800x800.
     scenes
-        Folders with scenes, the first first; empty: those of the checkout.
+        Folders with scenes, the first first; behind them comes that of the checkout.
     tell
         Called with a line before it starts, and after each frame.
     measure
@@ -119,7 +119,7 @@ def reproduce(
     demand_type(quick, bool, "quick", "give True or False")
     demand_callable(tell, "tell")
     chosen = {name: _RECIPES[name] for name in EXHIBITS if name in _known(only)}
-    frames = _frames(Scenes(tuple(map(Path, scenes)) or (CHECKOUT,)), quick)
+    frames = _frames(Scenes((*map(Path, scenes), CHECKOUT)), quick)
     frames.scenes.models()  # before anything is measured
     keys = list(dict.fromkeys(key for recipe in chosen.values() for key in recipe.keys(frames)))
     _make(folder)

@@ -47,7 +47,7 @@ def command(
 ) -> None:
     """Measure the paper's tables and figures, and write them beside the paper's as one HTML page.
 
-    All of it takes two hours or so on two cores; it says how long before it starts, and an
+    All of it takes 45 minutes or so on two cores; it says how long before it starts, and an
     interrupted run resumes.
     """
     report = reproduce(
