@@ -7,7 +7,7 @@ STAMP := $(VENV)/.installed
 # The tests start many interpreters: without bytecode each compiles every module again.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: setup demo room test test-long test-all lint types layers docs docs-links bench c-kernels lock clean
+.PHONY: setup demo room test test-long test-all lint types layers docs docs-links bench wheel c-kernels lock clean
 .DELETE_ON_ERROR:
 
 # Bytecode of what is used is made at its first import, in a third of the time of all that there is.
@@ -57,6 +57,20 @@ layers: setup
 
 bench: setup
 	$(BIN)/python -m benchmarks -o benchmarks
+
+# A release: the wheel in dist/, with the renderers' kernels compiled. Built in a copy: the backend
+# leaves build/ and *.egg-info beside pyproject.toml, and reuses stale ones.
+DIST := dist
+COPY := build/wheel
+
+wheel: setup
+	rm -rf $(COPY) && mkdir -p $(COPY) $(DIST)
+	tar --exclude=./.git --exclude=./.venv --exclude=./build --exclude=./dist --exclude='*.egg-info' \
+	  --exclude=./scenes -cf - . | tar -xf - -C $(COPY)
+	$(BIN)/python -m vividc.render.array.device.ship $(COPY)/vividc/programs
+	$(BIN)/python -m build --wheel --no-isolation --outdir $(DIST) $(COPY) >$(COPY).log 2>&1 || \
+	  { cat $(COPY).log; exit 1; }
+	@ls $(DIST)/*.whl
 
 # The committed `.ll` files; Debian's clang, version 15 or newer. Users never need it.
 CLANG ?= clang-16

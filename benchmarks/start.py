@@ -16,7 +16,9 @@ TITLE: Final = "The first five minutes"
 NOTES: Final = """\
 Each command runs in a process of its own. Cold: caches of vividc and numba are empty, and nothing
 else has run there; warm: once more after it. Bytecode is written at installation. `cpu`: seconds
-of user CPU of the process and its children, which an idle machine spreads over its cores.
+of user CPU of the process and its children, which an idle machine spreads over its cores. Frames
+are of `mic` at 200x200 in FP8, every pixel simulated. "As installed": of the caches, those kernels
+are left that a wheel has with it (`make wheel`).
 """.splitlines()
 HEADER: Final = "| command | cold s | cold cpu s | warm s | warm cpu s |\n|---|---|---|---|---|"
 _ROOT: Final = Path(__file__).resolve().parents[1]
@@ -29,6 +31,13 @@ _KERNELS: Final = (
     "kernels/general/linear_algebra.py:gemm",
     "kernels/general/searching.py:shell_sort",
 )
+_SCENES: Final = {
+    "3dgs": "mic_3dgs_sh3.ply",
+    "kilonerf": "mic_kilonerf.npz",
+    "instant-ngp": "mic_ngp_hash.npz",
+    "tensorf": "mic_tensorf_vm.npz",
+}
+_FRAME: Final = ("--engine", "array", "--precision", "fp8", "--size", "200x200")
 _SYSTOLIC: Final = """\
 import numpy as np
 from vividc.gemm import Layer, mlp
@@ -51,8 +60,22 @@ def rows(*_: object) -> Iterator[str]:
         for name, command in _commands(Path(out)).items():
             with tempfile.TemporaryDirectory() as home:
                 cold, warm = (_timed(command, home) for _ in range(2))
-            cells = (f"{n:.2f}" for n in (cold.wall, cold.cpu, warm.wall, warm.cpu))
-            yield f"| {name} | {' | '.join(cells)} |"
+            yield _row(name, cold, warm)
+        for method, file in _SCENES.items():
+            scene, picture = f"scenes/mic/{file}", str(Path(out) / "frame.png")
+            command = (*_VIVIDC, "render", scene, *_FRAME, "-o", picture)
+            with tempfile.TemporaryDirectory() as home:
+                cold, warm = (_timed(command, home) for _ in range(2))
+                yield _row(f"vividc render, {method}", cold, warm)
+                for entry in Path(home).rglob("entries/*"):
+                    if not entry.name.startswith("stage-"):
+                        entry.unlink()
+                yield _row(f"vividc render, {method}, as installed", _timed(command, home), warm)
+
+
+def _row(name: str, cold: Times, warm: Times) -> str:
+    cells = (f"{n:.2f}" for n in (cold.wall, cold.cpu, warm.wall, warm.cpu))
+    return f"| {name} | {' | '.join(cells)} |"
 
 
 def _commands(out: Path) -> Mapping[str, Sequence[str]]:

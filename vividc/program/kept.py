@@ -1,17 +1,20 @@
-"""Compiled programs in the user's cache."""
+"""Compiled programs in the user's cache, and those that are shipped with the package."""
 
 from __future__ import annotations
 
+import os
 import zlib
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from functools import cache as once
 from hashlib import sha256
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
-from vividc.errors import BundleError
+from vividc.arch import Fabric
+from vividc.errors import BundleError, warn
 from vividc.host import cache
+from vividc.host.files import write_whole
 from vividc.program import Program, from_bytes
 
 COMPILER: Final = (
@@ -28,6 +31,7 @@ COMPILER: Final = (
     "ssa",
 )
 """Rooms whose code decides what a kernel becomes."""
+_SHIPPED: Final = ".vivid.z"
 
 
 def read_program(kind: str, key: str) -> Program | None:
@@ -46,6 +50,45 @@ def write_program(kind: str, key: str, program: Program) -> None:
     """Store a program; failures to do so are ignored."""
     if program.fabric.source:
         cache.write(kind, key, zlib.compress(program.to_bytes(), 1))
+
+
+def read_shipped(folder: Path, key: str) -> Program | None:
+    """Return the program under this key in a folder, if there is an intact one."""
+    file = folder / f"{key}{_SHIPPED}"
+    try:
+        return from_bytes(zlib.decompress(file.read_bytes()))
+    except FileNotFoundError:
+        return None
+    except (OSError, BundleError, zlib.error) as fault:
+        reason = fault.reason if isinstance(fault, BundleError) else fault
+        warn(f"{file} holds no program ({reason}): it is made anew")
+        return None
+
+
+def write_shipped(folder: Path, key: str, program: Program, root: Path) -> None:
+    """Store a program for machines on which no `root` is: files below it are named from there.
+
+    Raises
+    ------
+    VividcError
+        It cannot be written.
+    """
+    moved: Program = _below(program, f"{root}{os.sep}")
+    write_whole(folder / f"{key}{_SHIPPED}", zlib.compress(moved.to_bytes(), 9))
+
+
+def _below(value: Any, root: str) -> Any:
+    """A value in which the names of files begin behind `root`."""
+    if isinstance(value, str):
+        return value.removeprefix(root)
+    if isinstance(value, tuple):
+        return tuple(_below(item, root) for item in value)
+    if isinstance(value, Fabric) or not is_dataclass(value) or isinstance(value, type):
+        return value
+    named = {field.name: getattr(value, field.name) for field in fields(value) if field.init}
+    moved = {name: _below(one, root) for name, one in named.items()}
+    changed = {name: one for name, one in moved.items() if one is not named[name]}
+    return replace(value, **changed) if changed else value
 
 
 @once

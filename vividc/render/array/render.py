@@ -6,8 +6,10 @@ from collections.abc import Callable
 
 from vividc.errors import demand_callable, demand_type
 from vividc.host.watch import to_tell
-from vividc.render.array.device.device import open_device
+from vividc.render.array.device.ahead import compile_ahead
+from vividc.render.array.device.device import Device, open_device
 from vividc.render.array.device.frame import ArrayFrame
+from vividc.render.array.device.kernels import kernels_of
 from vividc.render.array.march.batches import render_blocks
 from vividc.render.array.march.crew import Work
 from vividc.render.array.march.depths import block_corners
@@ -36,6 +38,11 @@ _NARROW: dict[type, tuple[RenderPrecision, ...]] = {
     TensoRF: ("fp16", "fp8"),
 }
 """Formats other than fp32 that scenes are rendered with."""
+_METHODS: dict[type, str] = {
+    KiloNeRF: "kilonerf",
+    InstantNGP: "instant-ngp",
+    TensoRF: "tensorf",
+}
 
 
 def render_array(
@@ -81,8 +88,10 @@ def render_array(
     check_weight(options.weight_min)
     if isinstance(scene, Gaussians):
         device = open_device(options.fabric, options.engine, tell, options.mode)
+        _compile(device, "3dgs", options, scene.sh_degree)
         return render_splats(scene, camera, options, progress, device)
     device, field = open_field(scene, options, tell)
+    _compile(device, _METHODS[type(scene)], options)
     corners = _sampled_corners(field.march, camera, options.sample)
     image, ledger = render_blocks(
         device,
@@ -98,6 +107,12 @@ def render_array(
     simulated = None if options.sample == 1 else pixels_of(corners, SIDE, camera)
     late = device.programs.late
     return ArrayFrame(image, stages, dict(ledger.counts), device.clock_ghz, share, simulated, late)
+
+
+def _compile(device: Device, method: str, options: ArrayOptions, degree: int = 0) -> None:
+    """Have what a frame usually runs compiled on all cores; the rest is when it is needed."""
+    if options.lookahead and options.mode == "auto":
+        compile_ahead(device.programs, kernels_of(method, options.precision, degree))
 
 
 def _sampled_corners(march: March, camera: Camera, share: float) -> Int32Array:

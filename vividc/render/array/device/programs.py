@@ -14,13 +14,15 @@ from types import ModuleType
 from typing import Final
 
 import vividc
-from vividc.errors import TimeLimit, VividcWarning
+from vividc.errors import TimeLimit, VividcError, VividcWarning
 from vividc.program import kept
 from vividc.render.array.device.kernels import Options, options_of
 from vividc.render.errors import SceneError
 
 _PACKAGE: Final = Path(vividc.__file__).resolve().parent
 _KIND: Final = "stage"
+SHIPPED: Final = _PACKAGE / "programs"
+"""Compiled programs in an installed vividc; a checkout has none."""
 
 _LATE: Final = "the clock ended the search for a mapping"
 _AGAIN: Final = "run it again when the machine is less busy; programs already compiled are kept"
@@ -35,7 +37,8 @@ class Programs:
     """Compiled kernels by name, for the tiles of one accelerator.
 
     A program is kept in the user's cache under the kernel's file, the tile, the options and the
-    compiler's own source. A damaged one is compiled again.
+    compiler's own source. A damaged one is compiled again. An installed vividc has those of its
+    renderers with it, under the same keys (`ship`).
 
     Attributes
     ----------
@@ -70,11 +73,46 @@ class Programs:
         VividcError
             It cannot be compiled for this accelerator.
         """
-        options = {"time_limit_s": self.mapping_s, **self.common, **options_of(kernel), **options}
-        name = f"{kernel} {sorted(options.items())}"
+        every = self._all_options(kernel, options)
+        name = f"{kernel} {sorted(every.items())}"
         if name not in self._loaded:
-            self._loaded[name] = self._load(kernel, options)
+            self._loaded[name] = self._load(kernel, every)
         return self._loaded[name]
+
+    def is_at_hand(self, kernel: str, **options: object) -> bool:
+        """Whether a kernel need not be compiled; its program is loaded then.
+
+        Raises
+        ------
+        SceneError
+            The kernel's file cannot be read.
+        """
+        name = f"{kernel} {sorted(self._all_options(kernel, options).items())}"
+        made = self._loaded.get(name) or _found(self._key_of(kernel, options))
+        if made is not None:
+            self._loaded[name] = made
+        return made is not None
+
+    def ship(self, folder: Path, kernel: str, **options: object) -> None:
+        """Write the program of a kernel to a folder that becomes `programs/` of a package.
+
+        Raises
+        ------
+        VividcError
+            It cannot be compiled or written, or the clock ended the search for a mapping.
+        """
+        program = self.get(kernel, **options)
+        if program.hurried:
+            raise VividcError(f"{program.name}: {_LATE}", hint="do it on a less busy machine")
+        kept.write_shipped(folder, self._key_of(kernel, options), program, _PACKAGE.parent)
+
+    def _key_of(self, kernel: str, options: Options) -> str:
+        """Return what the program of a kernel is known by, the same on every machine."""
+        file, function = _place(kernel)
+        return self._key(file, function, self._all_options(kernel, options))
+
+    def _all_options(self, kernel: str, options: Options) -> Options:
+        return {"time_limit_s": self.mapping_s, **self.common, **options_of(kernel), **options}
 
     @property
     def late(self) -> tuple[str, ...]:
@@ -85,10 +123,9 @@ class Programs:
         return tuple(f"{one.name}: {_LATE}" for one in programs if one.hurried)
 
     def _load(self, kernel: str, options: Options) -> vividc.Program:
-        path, _, function = kernel.partition(":")
-        file = kernel_folder() / f"{path}.py"
+        file, function = _place(kernel)
         key = self._key(file, function, options)
-        made = kept.read_program(_KIND, key)
+        made = _found(key)
         if made is not None:
             return made
         self._say(f"compiling {kernel} (kept for the next time)")
@@ -131,6 +168,16 @@ class Programs:
         digest = sha256("\n".join(parts).encode())
         digest.update(_source(file))
         return digest.hexdigest()
+
+
+def _found(key: str) -> vividc.Program | None:
+    return kept.read_program(_KIND, key) or kept.read_shipped(SHIPPED, key)
+
+
+def _place(kernel: str) -> tuple[Path, str]:
+    """Return a kernel's file and its name there."""
+    path, _, function = kernel.partition(":")
+    return kernel_folder() / f"{path}.py", function
 
 
 def kernel_folder() -> Path:

@@ -12,6 +12,7 @@ import vividc
 from vividc.launch.turns import deal
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
+from vividc.render.array.device.kernels import Options, exp_in
 from vividc.render.array.device.launch import Gathered, Launch
 from vividc.render.array.device.launches import Phase
 from vividc.render.array.options import RenderPrecision
@@ -147,10 +148,9 @@ def blend_program(
     return device.programs.get(kernel, **options)
 
 
-def _kernel(culling: Culling, precision: RenderPrecision) -> tuple[str, dict[str, object]]:
+def _kernel(culling: Culling, precision: RenderPrecision) -> tuple[str, Options]:
     """Return the kernel, and options of its compilation."""
-    policy: dict[str, object] = {} if precision == "fp32" else {"precision": {"exp": precision}}
-    return f"{_FILE}:{_KERNELS[culling]}", policy
+    return f"{_FILE}:{_KERNELS[culling]}", exp_in(precision)
 
 
 def _count(ledger: Ledger, counts: Int32Array, culling: Culling) -> None:

@@ -1,7 +1,8 @@
 """Runs a module in a process that ends when the process that started it ends, however that happens.
 
-`python -m vividc.host.lifeline FD MODULE ARGS...`: FD is the reading end of a pipe of which the
-other process holds the writing end, and never writes: its end, even by SIGKILL, closes it.
+`python -m vividc.host.processes.lifeline FD MODULE ARGS...`: FD is the reading end of a pipe of
+which the other process holds the writing end, and never writes: its end, even by SIGKILL, closes
+it.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-LIFELINE = Path(__file__).parents[2] / "vividc" / "host" / "lifeline.py"
+LIFELINE = Path(__file__).parents[3] / "vividc" / "host" / "processes" / "lifeline.py"
 
 
 def test_a_busy_helper_ends_with_the_pipe(tmp_path: Path) -> None:
