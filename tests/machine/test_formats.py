@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from tests.rounding import nearest
+from vividc import formats
 from vividc.formats import (
     E4M3,
     E5M2,
@@ -171,3 +172,19 @@ def test_the_oracle_knows_ties() -> None:
     middle = Fraction((positive[at] + positive[at + 1]) / 2)
     assert nearest(E4M3, middle) == at
     assert nearest(E4M3, middle + Fraction(1, 1 << 40)) == at + 1
+
+
+@ALL
+def test_nearest_numbers_are_those_of_the_codes(fmt: Format) -> None:
+    rng = np.random.default_rng(6)
+    bits = rng.integers(0, 1 << 32, 200_000, dtype=np.uint64).astype(np.uint32)
+    every = to_floats(fmt, np.arange(1 << fmt.bits).astype(fmt.dtype))
+    held = every[np.isfinite(every)]
+    between = (np.sort(held)[:-1] / 2 + np.sort(held)[1:] / 2).astype(np.float32)
+    some = [bits.view(np.float32), held, between, fmt.max_finite * np.array([1.03, 1.07, 2.0])]
+    numbers = np.concatenate([part.astype(np.float32) for part in some])
+    numbers = numbers[np.isfinite(numbers)]
+    expected = to_floats(fmt, round_array(fmt, numbers))
+    found = formats.nearest(fmt, numbers)
+    assert found.dtype == np.float32
+    np.testing.assert_array_equal(found.view(np.uint32), expected.view(np.uint32))

@@ -13,10 +13,10 @@ from vividc.render.arrays import Float32Array, Int64Array
 from vividc.render.radiance.layers import Layer, relu, sigmoid
 from vividc.render.radiance.occupancy import March, in_box, read_march
 
-_POSITION_FREQUENCIES = 10
-_DIRECTION_FREQUENCIES = 4
-_POSITION_TERMS = 3 + 6 * _POSITION_FREQUENCIES
-_DIRECTION_TERMS = 3 + 6 * _DIRECTION_FREQUENCIES
+POSITION_FREQUENCIES = 10
+DIRECTION_FREQUENCIES = 4
+_POSITION_TERMS = 3 + 6 * POSITION_FREQUENCIES
+_DIRECTION_TERMS = 3 + 6 * DIRECTION_FREQUENCIES
 _GROUP = 32
 """Samples of one network that are multiplied at once; groups are padded to this length."""
 _GROUPS_AT_ONCE = 128
@@ -50,7 +50,7 @@ class KiloNeRF:
     def density(self, points: Float32Array, layer: Layer) -> tuple[Float32Array, Float32Array]:
         """Return optical thickness [n] of one step, and the features [n, 32] of the colour."""
         network, local = self.cells_of(points)
-        encoded = positional_encoding(local, _POSITION_FREQUENCIES)
+        encoded = positional_encoding(local, POSITION_FREQUENCIES)
         outputs = _by_network(network, encoded, self._density_network, layer)
         sigma = relu(outputs[:, 0])
         return sigma * np.float32(self.march.step), outputs[:, 1:]
@@ -60,7 +60,7 @@ class KiloNeRF:
     ) -> Float32Array:
         """Return r, g, b [n, 3] of points seen along unit `directions` [n, 3]."""
         network, _ = self.cells_of(points)
-        seen = positional_encoding(directions, _DIRECTION_FREQUENCIES)
+        seen = positional_encoding(directions, DIRECTION_FREQUENCIES)
         inputs = np.concatenate((features, seen), axis=1)
         return sigmoid(_by_network(network, inputs, self._colour_network, layer))
 

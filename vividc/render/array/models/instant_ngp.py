@@ -12,7 +12,7 @@ from vividc.render.array.device.blocks import BLOCK, in_blocks, run_blocks
 from vividc.render.array.device.device import Device
 from vividc.render.array.models.field import PointField
 from vividc.render.array.models.hash_encoding import hash_encoding
-from vividc.render.array.network.calibration import largest_inputs, of_layers
+from vividc.render.array.network.calibration import Calibrated, calibrated
 from vividc.render.array.network.networks import dense_layers, network
 from vividc.render.array.options import RenderPrecision
 from vividc.render.array.records import Colours, Kept, UInt32Array
@@ -45,21 +45,27 @@ class InstantNGPField(PointField):
     ) -> None:
         super().__init__(model, device)
         self._model = model
-        largest = {} if precision == "fp32" else largest_inputs(model)
-        first, last = model.density_weights
+        sigma, rgb = calibrated(
+            model,
+            precision,
+            {"sigma": Calibrated(model.density_weights), "rgb": Calibrated(model.colour_weights)},
+        )
+        first, last = sigma.weights
         # The encoding has features in fours, and so have float8 words; weights of the others are 0.
         first = np.pad(first, ((0, -len(first) % _LANES), (0, 0)))
         missing = -last.shape[1] % _LANES if precision == "fp8" else 0
         last = np.pad(last, ((0, 0), (0, missing)))
-        sigma, rgb = of_layers(largest, "sigma"), of_layers(largest, "rgb")
-        self._density_network = network(dense_layers([first, last]), precision, sigma)
+        biases = [np.pad(bias, (0, -len(bias) % _LANES)) for bias in sigma.biases]
+        layers = dense_layers([first, last], biases)
+        self._density_network = network(layers, precision, sigma.largest)
         is_fp8 = self._density_network.is_fp8
         self._encoding = hash_encoding(model, self._density_network.scale if is_fp8 else None)
-        first, *others = model.colour_weights
+        first, *others = rgb.weights
         # The kernel puts the direction's terms before the features.
         swapped = np.concatenate((first[-DIRECTION_TERMS:], first[:-DIRECTION_TERMS]))
         swapped = np.pad(swapped, ((0, missing), (0, 0)))
-        self._colour_network = network(dense_layers([swapped, *others]), precision, rgb)
+        layers = dense_layers([swapped, *others], rgb.biases)
+        self._colour_network = network(layers, precision, rgb.largest)
         self.words = last.shape[1] // (_HALVES if is_fp8 else 1)
         self.are_in_blocks = is_fp8
         if is_fp8:

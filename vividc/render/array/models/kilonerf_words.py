@@ -15,10 +15,15 @@ import numpy as np
 import numpy.typing as npt
 
 from vividc.formats import E4M3, round_array
+from vividc.render.array.models.kilonerf_fit import Scales, directions, fitted_networks
 from vividc.render.arrays import Float32Array
 from vividc.render.errors import SceneError
 from vividc.render.radiance import KiloNeRF
-from vividc.render.radiance.kilonerf import positional_encoding
+from vividc.render.radiance.kilonerf import (
+    DIRECTION_FREQUENCIES,
+    POSITION_FREQUENCIES,
+    positional_encoding,
+)
 from vividc.render.radiance.layers import relu
 
 Words = npt.NDArray[np.uint32]
@@ -30,7 +35,6 @@ _LANES = 4
 WIDTH = CHUNK_WORDS * _LANES
 """Of a hidden layer: one chunk."""
 _AXES = 3
-_POSITION_FREQUENCIES, _DIRECTION_FREQUENCIES = 10, 4
 _LARGEST_RESULT = 64.0
 """Of the calibration, scaled; what it did not see may be seven times as large."""
 _LEAST_SCALE, _LARGEST_SCALE = -40, 40
@@ -65,7 +69,6 @@ def fp8_words(model: KiloNeRF) -> Fp8Words:
         Results of the calibration are not finite.
     """
     w1, w2, w3, w4, w5 = (np.asarray(weights) for weights in model.weights)
-    b1, b2, b3, b4, b5 = (np.asarray(biases) for biases in model.biases)
     with np.errstate(over="ignore", invalid="ignore"):
         largest = _largest_results(model)
     if not np.isfinite(largest).all():
@@ -83,8 +86,11 @@ def fp8_words(model: KiloNeRF) -> Fp8Words:
     # Sums that nothing rounds may be as large as they like.
     density = scales(np.zeros(len(w3)), (w3[:, :, :1], s2))
     colour = scales(np.zeros(len(w5)), (w5, s4))
-    position = in_words(w1, _POSITION_FREQUENCIES)
-    direction = in_words(by_direction, _DIRECTION_FREQUENCIES)
+    (w1, w2, w3, w4, w5), (b1, b2, b3, b4, b5) = fitted_networks(
+        model, Scales(s1, s2, s3, s4, density, colour)
+    )
+    position = in_words(w1, POSITION_FREQUENCIES)
+    direction = in_words(w4[:, WIDTH:], DIRECTION_FREQUENCIES)
     return Fp8Words(
         _joined(
             _layer(_scaled(position, s1), _scaled(b1[:, None], s1), 8),
@@ -94,7 +100,7 @@ def fp8_words(model: KiloNeRF) -> Fp8Words:
         ),
         _joined(
             _layer(
-                np.concatenate((_scaled(by_feature, s4 - s3), _scaled(direction, s4)), axis=1),
+                np.concatenate((_scaled(w4[:, :WIDTH], s4 - s3), _scaled(direction, s4)), axis=1),
                 _scaled(b4[:, None], s4),
                 8,
             ),
@@ -109,8 +115,8 @@ def _largest_results(model: KiloNeRF) -> list[Float32Array]:
     """Return the largest magnitudes of results of layers 1 to 4, without the density, [K] each."""
     axis = (np.arange(_GRID, dtype=np.float32) + np.float32(0.5)) * np.float32(2 / _GRID) - 1
     points = np.stack(np.meshgrid(axis, axis, axis), axis=-1).reshape(-1, _AXES)
-    encoded = positional_encoding(points.astype(np.float32), _POSITION_FREQUENCIES)
-    seen = positional_encoding(_directions(len(points)), _DIRECTION_FREQUENCIES)
+    encoded = positional_encoding(points.astype(np.float32), POSITION_FREQUENCIES)
+    seen = positional_encoding(directions(len(points)), DIRECTION_FREQUENCIES)
     largest = []
     for network in range(len(model.weights[0])):
         w1, w2, w3, w4, _ = (weights[network] for weights in model.weights)
@@ -121,16 +127,6 @@ def _largest_results(model: KiloNeRF) -> list[Float32Array]:
         four = relu(np.concatenate((features, seen), axis=1) @ w4 + b4)
         largest.append([np.abs(results).max() for results in (one, two, features, four)])
     return list(np.array(largest, dtype=np.float32).T)
-
-
-def _directions(count: int) -> Float32Array:
-    """Return unit vectors [count, 3], evenly spread along a spiral."""
-    index = np.arange(count) + 0.5
-    height = 1 - 2 * index / count
-    angle = np.pi * (1 + np.sqrt(5)) * index
-    radius = np.sqrt(1 - height**2)
-    spiral = (radius * np.cos(angle), radius * np.sin(angle), height)
-    return np.stack(spiral, axis=-1).astype(np.float32)
 
 
 def scales(

@@ -11,7 +11,7 @@ from vividc.render.array.device.blocks import BLOCK, run_blocks
 from vividc.render.array.device.device import Device
 from vividc.render.array.models.factors import CHANNELS, KERNELS, channel_pairs, factor_grid
 from vividc.render.array.models.field import PointField
-from vividc.render.array.network.calibration import largest_inputs, of_layers
+from vividc.render.array.network.calibration import Calibrated, calibrated
 from vividc.render.array.network.networks import dense_layers, network
 from vividc.render.array.options import RenderPrecision
 from vividc.render.array.steering import TENSORF_BATCH
@@ -39,18 +39,22 @@ class TensoRFField(PointField):
         self._model = model
         lines = dict(zip(LINE_AXES, model.density_factors, strict=True))
         self._grid = factor_grid(model.march, [len(lines[axis].line) for axis in range(3)], device)
-        largest = {} if precision == "fp32" else largest_inputs(model)
-        basis = dense_layers([_spread(model)])
-        self._basis = network(basis, precision, of_layers(largest, "basis"))
+        basis, mlp = calibrated(
+            model,
+            precision,
+            {"basis": Calibrated([model.basis]), "mlp": Calibrated(model.weights, model.biases)},
+        )
+        layers = dense_layers([_spread(model, basis.weights[0])], basis.biases)
+        self._basis = network(layers, precision, basis.largest)
         one, is_fp8 = np.float32(1), self._basis.is_fp8
         scale = self._basis.scale if is_fp8 else one
         self._density_pairs = channel_pairs(model.density_factors, is_fp8, one)
         self._appearance_pairs = channel_pairs(model.appearance_factors, is_fp8, scale)
-        first, *others = model.weights
+        first, *others = mlp.weights
         if is_fp8:
             first = first[_by_words()]  # the order in which the kernel makes words of them
-        layers = dense_layers([first, *others], model.biases)
-        self._colour_network = network(layers, precision, of_layers(largest, "mlp"))
+        layers = dense_layers([first, *others], mlp.biases)
+        self._colour_network = network(layers, precision, mlp.largest)
         for net in (self._basis, self._colour_network):
             net.mode(device)
 
@@ -95,14 +99,12 @@ def _by_words() -> npt.NDArray[np.int64]:
     return np.concatenate((*parts, features, _FEATURES + directions))
 
 
-def _spread(model: TensoRF) -> Float32Array:
+def _spread(model: TensoRF, basis: Float32Array) -> Float32Array:
     """Return the basis with rows of 0 for the channels that fill up a group of 16."""
     rows = []
     start = 0
     for factors in model.appearance_factors:
         channels = factors.line.shape[1]
-        rows.append(
-            np.pad(model.basis[start : start + channels], ((0, -channels % CHANNELS), (0, 0)))
-        )
+        rows.append(np.pad(basis[start : start + channels], ((0, -channels % CHANNELS), (0, 0))))
         start += channels
     return np.concatenate(rows)

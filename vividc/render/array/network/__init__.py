@@ -1,4 +1,5 @@
 """Networks.
 
-In order: `calibration` (scales of formats), `systolic` (TPU-like modes), `networks` (which mode).
+In order: `fitting` (weights rounded for their inputs), `calibration` (scales of formats),
+`systolic` (TPU-like modes), `networks` (which mode).
 """

@@ -6,20 +6,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
-from vividc.formats import Format
+from vividc.formats import E4M3, Format
+from vividc.render.array.network.fitting import fitted, rounded
+from vividc.render.array.options import RenderPrecision
 from vividc.render.arrays import Float32Array
 from vividc.render.errors import SceneError
 from vividc.render.radiance import March
-from vividc.render.radiance.layers import linear
+from vividc.render.radiance.layers import BLOCK, Layer, linear
 from vividc.render.radiance.volume import RadianceField
 
 _SAMPLES: Final = 4096
 _GOLDEN: Final = (math.sqrt(5) - 1) / 2
-_STEPS: Final = (0.8191725134, 0.6710436067, 0.5497004779)
+STEPS: Final = (0.8191725134, 0.6710436067, 0.5497004779)
 """Of a sequence that fills a cube evenly: powers of the root of x^4 = x + 1 (Roberts 2018)."""
 
 
@@ -54,6 +57,81 @@ def largest_inputs(scene: RadianceField) -> dict[str, float]:
         _, features = scene.density(points, recorded)
         scene.colour(points, features, directions, recorded)
     return {name: value or 1.0 for name, value in largest.items()}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Calibrated:
+    """A network's layers: weights [inputs, outputs], biases [outputs], and the largest magnitude of
+    the inputs of each, where operands are narrow.
+    """
+
+    weights: Sequence[Float32Array]
+    biases: Sequence[Float32Array] = ()
+    largest: Sequence[float] = ()
+
+
+def calibrated(
+    scene: RadianceField, precision: RenderPrecision, networks: Mapping[str, Calibrated]
+) -> list[Calibrated]:
+    """Return networks as operands of a format want them: for fp8, their weights are E4M3's and
+    fitted to what the layers meet at 2,048 points of `largest_inputs`, and their biases, too.
+
+    Parameters
+    ----------
+    networks
+        In float32, by what the names of their layers begin with.
+
+    Raises
+    ------
+    SceneError
+        As of `largest_inputs` and `exponents`.
+    """
+    if precision == "fp32":
+        return [*networks.values()]
+    largest = largest_inputs(scene)
+    known = {name: replace(net, largest=of_layers(largest, name)) for name, net in networks.items()}
+    if precision == "fp8":
+        known = _fitted(scene, E4M3, known)
+    return [*known.values()]
+
+
+def _fitted(
+    scene: RadianceField, fmt: Format, networks: Mapping[str, Calibrated]
+) -> dict[str, Calibrated]:
+    scales = {
+        f"{name}{index}": pair
+        for name, net in networks.items()
+        for index, pair in enumerate(zip(*exponents(net.largest, net.weights, fmt), strict=True))
+    }
+    exact: dict[str, Float32Array] = {}
+    found: dict[str, tuple[Float32Array, Float32Array]] = {}
+
+    def recorded(
+        name: str, inputs: Float32Array, weights: Float32Array, bias: Float32Array | None
+    ) -> Float32Array:
+        exact[name] = linear(name, inputs, weights, bias)
+        return exact[name]
+
+    def fit(
+        name: str, inputs: Float32Array, weights: Float32Array, bias: Float32Array | None
+    ) -> Float32Array:
+        before, factor = scales[name] if name in scales else scales[f"{name}0"]
+        given = rounded(fmt, inputs, np.full(inputs.shape, before))
+        grid = np.full((1, *weights.shape), factor)
+        layer = fitted(fmt, given[None], exact[name][None], weights[None], grid)
+        found[name] = layer[0][0], layer[1][0]
+        return linear(name, given, *found[name])
+
+    points, directions = (rows[:: _SAMPLES // BLOCK] for rows in _samples(scene.march))
+    passes: list[Layer] = [recorded, fit]
+    for layer in passes:
+        _, features = scene.density(points, layer)
+        scene.colour(points, features, directions, layer)
+    made = {}
+    for name, net in networks.items():
+        layers = [found[layer] for layer in sorted(found) if layer.startswith(name)]
+        made[name] = Calibrated([w for w, _ in layers], [b for _, b in layers], net.largest)
+    return made
 
 
 def of_layers(largest: Mapping[str, float], name: str) -> list[float]:
@@ -113,7 +191,7 @@ def _samples(march: March) -> tuple[Float32Array, Float32Array]:
     count = min(_SAMPLES, _SAMPLES * len(cells))
     number = np.arange(count)
     chosen = cells[number * len(cells) // max(count, 1)]
-    inside = (number[:, None] * np.array(_STEPS) + 0.5) % 1
+    inside = (number[:, None] * np.array(STEPS) + 0.5) % 1
     place = ((chosen + inside) / march.occupied.shape).astype(np.float32)
     low, high = march.box
     z = 1 - (2 * number + 1) / max(count, 1)
