@@ -63,13 +63,26 @@ def test_layers_are_fitted_each_for_itself() -> None:
         np.testing.assert_array_equal(alone[1], together[1][one])
 
 
-@pytest.mark.parametrize("scale", [0.0, 1e-30, 1e15])
-def test_inputs_of_any_size_give_numbers(scale: float) -> None:
-    x, _, weights = layer(3, 1, 40, 6, 2)
-    x = (x * np.float32(scale)).astype(np.float32)
-    found, bias = fitted(E4M3, x, x @ weights, weights, np.zeros(weights.shape, np.int64))
+@pytest.mark.parametrize("scale", [0.0, 1e-30, 1e15, 2.0**60])
+@pytest.mark.parametrize("factor", [1e-15, 1.0, 1e15])
+def test_inputs_and_sums_of_any_size_give_numbers(scale: float, factor: float) -> None:
+    x, _, weights = layer(3, 2, 40, 6, 2)
+    x[0] *= np.float32(scale)
+    sums = np.float32(factor) * (x @ weights)
+    found, bias = fitted(E4M3, x, sums, weights, np.zeros(weights.shape, np.int64))
     assert np.isfinite(found).all()
     assert np.isfinite(bias).all()
+
+
+@pytest.mark.parametrize("power", [-30, -3, 5, 40])
+def test_powers_of_two_change_nothing_else(power: int) -> None:
+    x, sums, weights = layer(5, 2, 80, 7, 3)
+    exponents = np.full(weights.shape, 2)
+    found, bias = fitted(E4M3, x, sums, weights, exponents)
+    larger = np.ldexp(x, power), np.ldexp(sums, 2)
+    other = fitted(E4M3, *larger, np.ldexp(weights, 2 - power), exponents - 2 + power)
+    np.testing.assert_array_equal(np.ldexp(other[0], power - 2), found)
+    np.testing.assert_array_equal(np.ldexp(other[1], -2), bias)
 
 
 def test_an_input_that_never_changes_is_the_biases() -> None:

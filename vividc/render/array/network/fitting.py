@@ -26,6 +26,8 @@ Exponents = npt.NDArray[np.int64]
 
 _RIDGE: Final = 0.1
 """How much a weight is drawn to what it was: as a share of the inputs' mean square."""
+_LARGEST: Final = 60
+"""Exponent of two by which inputs and sums are made smaller, or larger."""
 
 
 def rounded(fmt: Format, values: npt.NDArray[np.floating], exponents: Exponents) -> Float32Array:
@@ -54,6 +56,28 @@ def fitted(
     exponents
         [K, i, o], of the powers of two that weights are multiplied by before they are rounded.
     """
+    # Powers of two take both to 1 at most: squares of large ones would leave float32.
+    given, made = _size(inputs), _size(sums)
+    grid = exponents + made - given
+    x, y = np.ldexp(inputs, -given), np.ldexp(sums, -made)
+    found, biases = _fitted(fmt, x, y, np.ldexp(weights, given - made), grid)
+    return np.ldexp(found, made - given), np.ldexp(biases, made)[:, 0]
+
+
+def _size(values: Float32Array) -> Exponents:
+    """Return an exponent of two of each layer's largest magnitude, [K, 1, 1]."""
+    largest = np.abs(values).max(axis=(1, 2), keepdims=True, initial=0)
+    exponent: Exponents = np.clip(np.frexp(largest)[1].astype(np.int64), -_LARGEST, _LARGEST)
+    return exponent
+
+
+def _fitted(
+    fmt: Format,
+    inputs: Float32Array,
+    sums: Float32Array,
+    weights: Float32Array,
+    exponents: Exponents,
+) -> tuple[Float32Array, Float32Array]:
     middle, aim = _mean(inputs), _mean(sums)
     centred, missing = inputs - middle, sums - aim - linear("", inputs - middle, weights, None)
     across = np.ascontiguousarray(centred.transpose(0, 2, 1))
@@ -65,8 +89,7 @@ def fitted(
     root = _root(gram)
     change = _solved(root, linear("", across, missing, None).astype(np.float64))
     found = _nearest(fmt, root, weights + change, exponents)
-    biases = aim - linear("", middle, found, None)
-    return found, biases[:, 0].astype(np.float32)
+    return found, aim - linear("", middle, found, None)
 
 
 def _mean(values: Float32Array) -> Float32Array:
