@@ -27,7 +27,8 @@ SIZES: Final = (200, 400, 800)
 NOTES: Final = (
     f"Each frame has a process of its own; rows are kept in `{ROWS}` and not measured again:",
     "delete them after a change of the renderers. `vivid`, 16 tiles at 1 GHz; every stage on the",
-    "array. Float32 frames of ray-marched methods are of an earlier day than those in FP8.",
+    "array. Float32 frames of ray-marched methods are of an earlier day than those in FP8, and of",
+    "these only Table 2's have fitted weights: `stages.md` has the whole frames with them.",
     "",
     "PSNR is the mean over the views, of the clipped pictures against photographs, as they are",
     "against float32 on the host. The array renders three of the held-out photographs' views (25",
