@@ -115,7 +115,7 @@ def test_networks_are_fitted_whichever_are_computed_together(
     exponents = np.full(5, 4)
     scales = Scales(*(exponents for _ in range(6)))
     together = fitted_networks(few, scales)
-    monkeypatch.setattr("vividc.render.array.models.kilonerf_fit._AT_ONCE", 2)
+    monkeypatch.setattr("vividc.render.array.models.kilonerf_fit.AT_ONCE", 2)
     for one, other in zip(together, fitted_networks(few, scales), strict=True):
         for a, b in zip(one, other, strict=True):
             np.testing.assert_array_equal(a, b)

@@ -21,7 +21,7 @@ from vividc.render.radiance.layers import linear, relu
 
 _SAMPLES: Final = 1024
 """Of a network."""
-_AT_ONCE: Final = 64
+AT_ONCE: Final = 64
 """Networks: what is made of their samples takes 100 MB."""
 _TURN: Final = 619
 """From a sample's direction to the next one's, along all."""
@@ -53,8 +53,8 @@ def fitted_networks(
     evenly, and seen from all sides; one without any keeps to all of its cell.
     """
     parts = []
-    for first in range(0, len(model.weights[0]), _AT_ONCE):
-        part = slice(first, first + _AT_ONCE)
+    for first in range(0, len(model.weights[0]), AT_ONCE):
+        part = slice(first, first + AT_ONCE)
         own = Scales(*(getattr(scales, field.name)[part] for field in fields(scales)))
         parts.append(_Fit(model, part, own).layers())
     layers = [
