@@ -90,6 +90,16 @@ def render_array(
         device = open_device(options.fabric, options.engine, tell, options.mode)
         _compile(device, "3dgs", options, scene.sh_degree)
         return render_splats(scene, camera, options, progress, device)
+    return _render_marched(scene, camera, options, progress, tell)
+
+
+def _render_marched(
+    scene: KiloNeRF | InstantNGP | TensoRF,
+    camera: Camera,
+    options: ArrayOptions,
+    progress: Callable[[float], None] | None,
+    tell: Callable[[str], None] | None,
+) -> ArrayFrame:
     device, field = open_field(scene, options, tell)
     _compile(device, _METHODS[type(scene)], options)
     corners = _sampled_corners(field.march, camera, options.sample)

@@ -73,11 +73,10 @@ class Programs:
         VividcError
             It cannot be compiled for this accelerator.
         """
-        every = self._all_options(kernel, options)
-        name = f"{kernel} {sorted(every.items())}"
-        if name not in self._loaded:
-            self._loaded[name] = self._load(kernel, every)
-        return self._loaded[name]
+        if not self.is_at_hand(kernel, **options):
+            every = self._all_options(kernel, options)
+            self._loaded[_name(kernel, every)] = self._made(kernel, every)
+        return self._loaded[_name(kernel, self._all_options(kernel, options))]
 
     def is_at_hand(self, kernel: str, **options: object) -> bool:
         """Whether a kernel need not be compiled; its program is loaded then.
@@ -87,11 +86,14 @@ class Programs:
         SceneError
             The kernel's file cannot be read.
         """
-        name = f"{kernel} {sorted(self._all_options(kernel, options).items())}"
-        made = self._loaded.get(name) or _found(self._key_of(kernel, options))
-        if made is not None:
+        name = _name(kernel, self._all_options(kernel, options))
+        if name not in self._loaded:
+            key = self._key_of(kernel, options)
+            made = kept.read_program(_KIND, key) or kept.read_shipped(SHIPPED, key)
+            if made is None:
+                return False
             self._loaded[name] = made
-        return made is not None
+        return True
 
     def ship(self, folder: Path, kernel: str, **options: object) -> None:
         """Write the program of a kernel to a folder that becomes `programs/` of a package.
@@ -122,12 +124,10 @@ class Programs:
         programs = self._loaded.values()
         return tuple(f"{one.name}: {_LATE}" for one in programs if one.hurried)
 
-    def _load(self, kernel: str, options: Options) -> vividc.Program:
+    def _made(self, kernel: str, options: Options) -> vividc.Program:
+        """Compile a kernel, and keep its program."""
         file, function = _place(kernel)
         key = self._key(file, function, options)
-        made = _found(key)
-        if made is not None:
-            return made
         self._say(f"compiling {kernel} (kept for the next time)")
         program = self._compile(file, function, options)
         if program.hurried:
@@ -170,8 +170,8 @@ class Programs:
         return digest.hexdigest()
 
 
-def _found(key: str) -> vividc.Program | None:
-    return kept.read_program(_KIND, key) or kept.read_shipped(SHIPPED, key)
+def _name(kernel: str, options: Options) -> str:
+    return f"{kernel} {sorted(options.items())}"
 
 
 def _place(kernel: str) -> tuple[Path, str]:

@@ -58,28 +58,9 @@ def fitted(
     """
     # Powers of two take both to 1 at most: squares of large ones would leave float32.
     given, made = _size(inputs), _size(sums)
-    grid = exponents + made - given
-    x, y = np.ldexp(inputs, -given), np.ldexp(sums, -made)
-    found, biases = _fitted(fmt, x, y, np.ldexp(weights, given - made), grid)
-    return np.ldexp(found, made - given), np.ldexp(biases, made)[:, 0]
-
-
-def _size(values: Float32Array) -> Exponents:
-    """Return an exponent of two of each layer's largest magnitude, [K, 1, 1]."""
-    largest = np.abs(values).max(axis=(1, 2), keepdims=True, initial=0)
-    exponent: Exponents = np.clip(np.frexp(largest)[1].astype(np.int64), -_LARGEST, _LARGEST)
-    return exponent
-
-
-def _fitted(
-    fmt: Format,
-    inputs: Float32Array,
-    sums: Float32Array,
-    weights: Float32Array,
-    exponents: Exponents,
-) -> tuple[Float32Array, Float32Array]:
-    middle, aim = _mean(inputs), _mean(sums)
-    centred, missing = inputs - middle, sums - aim - linear("", inputs - middle, weights, None)
+    x, y, known = np.ldexp(inputs, -given), np.ldexp(sums, -made), np.ldexp(weights, given - made)
+    middle, aim = _mean(x), _mean(y)
+    centred, missing = x - middle, y - aim - linear("", x - middle, known, None)
     across = np.ascontiguousarray(centred.transpose(0, 2, 1))
     gram = linear("", across, centred, None).astype(np.float64)
     size = gram.shape[1]
@@ -88,8 +69,16 @@ def _fitted(
     gram[:, np.arange(size), np.arange(size)] += ridge[:, None]
     root = _root(gram)
     change = _solved(root, linear("", across, missing, None).astype(np.float64))
-    found = _nearest(fmt, root, weights + change, exponents)
-    return found, aim - linear("", middle, found, None)
+    found = _nearest(fmt, root, known + change, exponents + made - given)
+    biases = aim - linear("", middle, found, None)
+    return np.ldexp(found, made - given), np.ldexp(biases, made)[:, 0]
+
+
+def _size(values: Float32Array) -> Exponents:
+    """Return an exponent of two of each layer's largest magnitude, [K, 1, 1]."""
+    largest = np.abs(values).max(axis=(1, 2), keepdims=True, initial=0)
+    exponent: Exponents = np.clip(np.frexp(largest)[1].astype(np.int64), -_LARGEST, _LARGEST)
+    return exponent
 
 
 def _mean(values: Float32Array) -> Float32Array:
