@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from tests.marks import with_slow
 from vividc import arch
 from vividc.errors import ArchError, ArgumentError
 from vividc.gemm import Layer, LayerShape, gemm, mlp, mlp_job
-from vividc.gemm.modes import MODES
+from vividc.gemm.modes import MODES, Mode
 from vividc.gemm.packed import packed
 from vividc.gemm.passes import lay_out, units, with_arrays
 from vividc.gemm.systolic import Precision, SystolicError
@@ -50,6 +51,24 @@ def test_chained_layers_give_the_values_of_single_ones() -> None:
     for tile in stats["tiles"]:
         spent = sum(tile["cycles"].values()) + sum(tile["stalls"].values())
         assert spent == run.job.cycles
+
+
+@pytest.mark.parametrize("size", [16384, 65536])
+@pytest.mark.parametrize("mode", MODES)
+def test_arrays_join_scratchpads_of_any_size(tmp_path: Path, size: int, mode: Mode) -> None:
+    (tmp_path / "tile.yaml").write_text(
+        f"extends: vivid-tile\nname: other\nscratchpad: {{size_bytes: {size}}}\n"
+    )
+    text = "extends: vivid\nname: other\ntiles: {fabric: tile.yaml}\n"
+    (tmp_path / "other.yaml").write_text(text)
+    other = arch.load_accelerator(tmp_path / "other.yaml")
+    first, last = layers(5, 300, 3)
+    made = [first, replace(last, precision="f16", activation="sigmoid")]
+    x = random(700, 5)
+    run = mlp_job(x, made, mode=mode, accelerator=other)
+    assert np.array_equal(run.values, mlp_job(x, made, mode=mode).values)
+    (joined,) = {with_arrays(other).units[n].scratchpad.size_bytes for n in units(VIVID, mode)}
+    assert joined == size * (16 if mode == "tpu-unified" else 4)
 
 
 def _longest(rows: int, made: list[Layer]) -> range:

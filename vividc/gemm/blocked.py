@@ -18,10 +18,9 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from vividc import arch
 from vividc.arch import Accelerator
 from vividc.gemm.chain import START_CONTEXTS, Chain, Link, chain_program
-from vividc.gemm.modes import FABRICS, Mode
+from vividc.gemm.modes import FABRICS, Mode, array_of
 from vividc.gemm.passes import units
 from vividc.gemm.program import LINE, Shape
 from vividc.gemm.systolic import (
@@ -59,15 +58,9 @@ def unstacked(stacks: Stacks, rows: int, cols: int) -> NDArray[np.float32]:
     return stacks.transpose(0, 2, 1).reshape(-1, stacks.shape[1])[:rows, :cols]
 
 
-@lru_cache
-def array_of(mode: Mode) -> SystolicArray:
-    """The array of a mode."""
-    return SystolicArray.of(arch.load_tile(FABRICS[mode][0]))
-
-
 @lru_cache(maxsize=1024)
-def _shape(mode: Mode, form: Form, words: int) -> Shape:
-    return Shape.of(array_of(mode), form, words)
+def _shape(mode: Mode, tile_bytes: int, form: Form, words: int) -> Shape:
+    return Shape.of(array_of(mode, tile_bytes), form, words)
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +88,8 @@ class Tiling:
 
     Attributes
     ----------
+    tile_bytes
+        Of a tile's scratchpad; an array joins those of its tiles.
     depths
         Lengths of the parts of the inner dimension; the sums of all but the first start from what
         the one before made, and those of the first, if it is not all, from a matrix.
@@ -109,6 +104,7 @@ class Tiling:
     """
 
     mode: Mode
+    tile_bytes: int
     sizes: Sizes
     depths: tuple[int, ...]
     rows: int
@@ -120,12 +116,22 @@ class Tiling:
     @property
     def array(self) -> SystolicArray:
         """The array that runs it."""
-        return array_of(self.mode)
+        return array_of(self.mode, self.tile_bytes)
 
     def form(self, part: int) -> Form:
         """What the array computes of a part of the inner dimension."""
         is_last = part == len(self.depths) - 1
         return Form(self.depths[part], self.relu and is_last, added=self.added)
+
+    def shape(self, part: int) -> Shape:
+        """The program's form.
+
+        Raises
+        ------
+        SystolicError
+            It does not fit.
+        """
+        return _shape(self.mode, self.tile_bytes, self.form(part), self.words)
 
     def is_swapped(self, part: int) -> bool:
         """Whether a part makes the transposed result, so that the last one does not."""
@@ -164,7 +170,7 @@ class Tiling:
             busy, moved = self._spent(part, machine)
             total += ceil(max(busy, moved) if self.parts > 1 else busy + moved)
             if part == 0 or self.form(part) != self.form(part - 1):
-                contexts = _shape(self.mode, self.form(part), self.words).ii + START_CONTEXTS
+                contexts = self.shape(part).ii + START_CONTEXTS
                 configured += arrays * len(self.array.fabric.pes) * contexts
         return total + configured // machine.configuration.entries_per_cycle
 
@@ -173,7 +179,7 @@ class Tiling:
         side, arrays = self.array.rows, FABRICS[self.mode][1]
         sizes, depth = self.at(part), self.depths[part]
         line = self.array.fabric.scratchpad.banks // (GROUP_BYTES // WORD_BYTES)
-        shape = _shape(self.mode, self.form(part), self.words)
+        shape = self.shape(part)
         busy, words, runs = 0.0, 0.0, 0
         for bands, groups in _pieces(ceil(sizes.cols / side), self.bands):
             pieces = _pieces(ceil(sizes.rows / side), self.rows)
@@ -206,6 +212,7 @@ def tiled(
         A product of one block of rows and one of columns does not fit.
     """
     best, refusal = None, None
+    tile_bytes = machine.fabric.scratchpad.size_bytes
     for count in _PARTS_OF_DEPTH:
         if count > sizes.depth:
             break
@@ -213,7 +220,8 @@ def tiled(
             depths = _cut(sizes.depth, count)
             try:
                 whole = added or len(depths) > 1
-                found = _filled(Tiling(mode, sizes, depths, 1, 1, parts, relu, whole))
+                first = Tiling(mode, tile_bytes, sizes, depths, 1, 1, parts, relu, whole)
+                found = _filled(first)
             except SystolicError as error:
                 refusal = refusal or error
                 continue
@@ -240,7 +248,7 @@ def _filled(tiling: Tiling) -> Iterator[Tiling]:
     room = tiling.words // (GROUP_BYTES // WORD_BYTES)
     depth = max(tiling.depths)
     for part in range(len(tiling.depths)):
-        _shape(tiling.mode, tiling.form(part), tiling.words)  # raises what does not fit
+        tiling.shape(part)  # raises what does not fit
     blocks = max(ceil(tiling.at(p).rows / side) for p in range(len(tiling.depths)))
     most = max(ceil(tiling.at(p).cols / side) for p in range(len(tiling.depths)))
     band = max(map(tiling.band_size, range(len(tiling.depths))))

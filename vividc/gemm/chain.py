@@ -11,8 +11,8 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from vividc import arch
 from vividc.gemm.kept import key_of, read_program, write_program
+from vividc.gemm.modes import sized
 from vividc.gemm.program import CountedLoop, Shape, loops_program, region_report
 from vividc.gemm.systolic import (
     BUFFER,
@@ -196,12 +196,13 @@ def chain_program(chain: Chain) -> Program:
         A layer fits no array's memories.
     """
     forms = tuple(link.form for link in chain.links)
-    return kept_program(chain.array.fabric.name, forms, chain.words)
+    fabric = chain.array.fabric
+    return kept_program(fabric.name, fabric.scratchpad.size_bytes, forms, chain.words)
 
 
 @lru_cache(maxsize=16)
-def kept_program(fabric: str, forms: tuple[Form, ...], words: int) -> Program:
-    array = SystolicArray.of(arch.load_tile(fabric))
+def kept_program(name: str, size_bytes: int, forms: tuple[Form, ...], words: int) -> Program:
+    array = SystolicArray.of(sized(name, size_bytes))
     key = key_of(array.fabric, forms, words)
     program = read_program(key)
     if program is None:

@@ -14,13 +14,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from vividc import arch
 from vividc.arch.fabric import Fabric
 from vividc.dfg.builder import GraphBuilder, Operand
 from vividc.dfg.ir import DFG, Node
 from vividc.dfg.pipeline import optimize
 from vividc.errors import TimeLimit
 from vividc.gemm.layer import Apart
+from vividc.gemm.modes import sized
 from vividc.gemm.program import CountedLoop, loops_program
 from vividc.host import time_limit
 from vividc.launch import At, Job
@@ -53,7 +53,8 @@ def elementwise_steps(
     -------
     The steps that must be done before `values` is read.
     """
-    return loop_steps(job, elementwise_program(kind), {"x": values}, "x", {}, before)
+    program = elementwise_program(kind, job.accelerator.fabric.scratchpad.size_bytes)
+    return loop_steps(job, program, {"x": values}, "x", {}, before)
 
 
 def loop_steps(
@@ -107,7 +108,7 @@ def loop_steps(
 
 
 @lru_cache(maxsize=32)
-def term_program(term: Term, views: tuple[View, ...]) -> Program:
+def term_program(term: Term, views: tuple[View, ...], tile_bytes: int) -> Program:
     """A loop that makes y[i] of the elements i of `x0`, `x1`, ... in place of `views`, of `s` in
     place of the sum, and of scalars, which are its parameters.
     """
@@ -139,22 +140,25 @@ def term_program(term: Term, views: tuple[View, ...]) -> Program:
     arrays = (*loaded, "y")
     params = [Param(name, DType.F32, 1) for name in arrays]
     params += [Param(key, DType.F32) for key in dict.fromkeys(term.keys)]
-    return loop_program("elementwise", builder.build(), (*params, Param("n", DType.I32)))
+    params.append(Param("n", DType.I32))
+    return loop_program("elementwise", builder.build(), tuple(params), tile_bytes)
 
 
 @lru_cache(maxsize=8)
-def elementwise_program(kind: Apart) -> Program:
+def elementwise_program(kind: Apart, tile_bytes: int) -> Program:
     """A loop that replaces x[i] by its image, for 0 <= i < n.
 
     exp is that of docs/math.md; sigmoid is 1 / (1 + exp(-x)), each operation rounded.
     """
     params = (Param("x", DType.F32, 1), Param("n", DType.I32))
-    return loop_program(kind, _graph(kind), params)
+    return loop_program(kind, _graph(kind), params, tile_bytes)
 
 
-def loop_program(name: str, graph: DFG, params: tuple[Param, ...]) -> Program:
-    """The program of one loop of n iterations on a tile."""
-    fabric = arch.load_tile("vivid-tile")
+def loop_program(
+    name: str, graph: DFG, params: tuple[Param, ...], tile_bytes: int = 1 << 15
+) -> Program:
+    """The program of one loop of n iterations on a tile with a scratchpad of so many bytes."""
+    fabric = sized("vivid-tile", tile_bytes)
     loop = optimize(graph)
     result = _mapped(loop, fabric)
     if result.mapping is None:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final, Literal, get_args
 
 from vividc import arch
+from vividc.arch import Fabric
 from vividc.errors import demand_type, quoted
 from vividc.gemm.program import Shape
 from vividc.gemm.systolic import BlockLayout, Form, Precision, SystolicArray, SystolicError, lanes
@@ -19,6 +21,9 @@ FABRICS: Final[dict[Mode, tuple[str, int]]] = {
     "tpu-partitioned": ("vivid-8x8", 4),
 }
 """Fabric of each mode, and how many of them work side by side, each on its share of the rows."""
+
+_TILES: Final = 16
+"""Of an accelerator, which the arrays of a mode share."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +78,20 @@ class LayerShape:
     def words(self) -> int:
         """Words of a row of the input."""
         return -(-self.depth // lanes(self.precision))
+
+
+@lru_cache
+def array_of(mode: Mode, tile_bytes: int) -> SystolicArray:
+    """Return an array of a mode: it joins the scratchpads of its tiles, of so many bytes each."""
+    name, arrays = FABRICS[mode]
+    return SystolicArray.of(sized(name, tile_bytes * _TILES // arrays))
+
+
+@lru_cache
+def sized(name: str, size_bytes: int) -> Fabric:
+    """Return a shipped fabric, of the same name, with a scratchpad of another size."""
+    text = f"extends: {name}\nname: {name}\nscratchpad: {{size_bytes: {size_bytes}}}\n"
+    return arch.load_text(text, f"{name}.yaml")
 
 
 def padded(columns: int, block: int) -> int:

@@ -46,7 +46,7 @@ def pack_steps(
     """
     machine, count = job.accelerator, lanes(precision)
     rows = values.shape[2]
-    program = pack_program(precision, rows)
+    program = pack_program(precision, rows, machine.fabric.scratchpad.size_bytes)
     target = np.zeros((values.shape[0], words, rows), np.float32)
     room = machine.fabric.scratchpad.words // _PARTS
     tiles = range(len(machine.tiles))
@@ -79,12 +79,12 @@ def _chunks(blocks: int, words: int, most: int, tiles: int) -> list[tuple[slice,
 
 
 @lru_cache(maxsize=8)
-def pack_program(precision: Precision, rows: int) -> Program:
+def pack_program(precision: Precision, rows: int, tile_bytes: int) -> Program:
     """A loop that makes word y[t] of the elements x of as many columns as a word has lanes, for
     0 <= t < n; columns are `rows` long, a power of two.
     """
     params = (Param("x", DType.F32, 1), Param("y", DType.F32, 1), Param("n", DType.I32))
-    return loop_program(f"pack_{precision}", _graph(precision, rows), params)
+    return loop_program(f"pack_{precision}", _graph(precision, rows), params, tile_bytes)
 
 
 def _graph(precision: Precision, rows: int) -> DFG:

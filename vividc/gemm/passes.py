@@ -11,7 +11,7 @@ from vividc import arch
 from vividc.arch import Accelerator, TileGroup
 from vividc.errors import ArchError
 from vividc.gemm.chain import Chain, Link
-from vividc.gemm.modes import FABRICS, LayerShape, Mode, check_mode, check_sizes, padded
+from vividc.gemm.modes import FABRICS, LayerShape, Mode, array_of, check_mode, check_sizes, padded
 from vividc.gemm.systolic import STREAMS, Form, Precision, SystolicArray, SystolicError
 from vividc.program import WORD_BYTES
 
@@ -84,7 +84,8 @@ class Layout:
 
 
 def with_arrays(accelerator: Accelerator) -> Accelerator:
-    """An accelerator of 4x4 ViViD tiles with the arrays of the TPU-like modes as further units.
+    """An accelerator of 4x4 ViViD tiles with the arrays of the TPU-like modes as further units:
+    scratchpads may be of another size.
 
     Raises
     ------
@@ -101,28 +102,18 @@ def with_arrays(accelerator: Accelerator) -> Accelerator:
             loc=accelerator.name,
             hint="choose the accelerator vivid, or a file that extends it",
         )
-    groups = [TileGroup(arch.load_tile("vivid-16x16"), tuple(range(16)))]
-    corners = (0, 2, 8, 10)
-    quarters = arch.load_tile("vivid-8x8")
-    groups += [TileGroup(quarters, (t, t + 1, t + 4, t + 5)) for t in corners]
-    return Accelerator(
-        name=accelerator.name,
-        rows=accelerator.rows,
-        cols=accelerator.cols,
-        tiles=accelerator.tiles,
-        dram=accelerator.dram,
-        noc=accelerator.noc,
-        dma=accelerator.dma,
-        configuration=accelerator.configuration,
-        source=accelerator.source,
-        groups=tuple(groups),
-    )
+    size = accelerator.fabric.scratchpad.size_bytes
+    whole, quarter = (array_of(mode, size).fabric for mode in ("tpu-unified", "tpu-partitioned"))
+    groups = [TileGroup(whole, tuple(range(16)))]
+    groups += [TileGroup(quarter, (t, t + 1, t + 4, t + 5)) for t in (0, 2, 8, 10)]
+    return replace(accelerator, groups=tuple(groups))
 
 
 def _is_like(accelerator: Accelerator, tile: arch.Fabric) -> bool:
     home = accelerator.fabric
-    same = arch.is_isomorphism(tile, home, tuple(range(len(home.pes))))
-    return same and len(home.pes) == len(tile.pes)
+    as_large = replace(tile.scratchpad, size_bytes=home.scratchpad.size_bytes)
+    places = tuple(range(len(home.pes)))
+    return arch.is_isomorphism(replace(tile, scratchpad=as_large), home, places)
 
 
 def units(accelerator: Accelerator, mode: Mode) -> tuple[int, ...]:
@@ -143,8 +134,8 @@ def lay_out(
         A layer does not fit the array's memories, a size below 1, or an unknown mode.
     """
     check_sizes(rows, shapes)
-    name, arrays = FABRICS[check_mode(mode)]
-    array = SystolicArray.of(arch.load_tile(name))
+    _, arrays = FABRICS[check_mode(mode)]
+    array = array_of(mode, accelerator.fabric.scratchpad.size_bytes)
     layouts, refusal = [], None
     for parts in (2, 1):
         try:

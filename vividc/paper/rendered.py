@@ -326,8 +326,7 @@ def table_3(frames: Frames, rows: Rows) -> Exhibit:
         tables=[Table("Frames a second on other machines", ("machine", *METHODS), machines)],
         assumptions=[
             "Our larger pictures are of `mic`, squares of as many pixels.",
-            "The arrays of the TPU-like modes join tiles of 32 KiB: with 64 KiB the networks of "
-            "Instant-NGP and TensoRF do not run in FP8.",
+            "The arrays of the TPU-like modes join the scratchpads of their tiles.",
         ],
     )
 

@@ -20,13 +20,12 @@ from vividc.gemm.blocked import (
     Stacks,
     Tiling,
     add_product,
-    array_of,
     stacked,
     tiled,
     unstacked,
 )
 from vividc.gemm.elementwise import loop_steps, term_program
-from vividc.gemm.modes import Mode
+from vividc.gemm.modes import Mode, array_of
 from vividc.launch import Job
 from vividc.machine.product import (
     COL,
@@ -242,7 +241,11 @@ class Sequence:
     @property
     def side(self) -> int:
         """Rows of a block."""
-        return array_of(self.mode).rows
+        return array_of(self.mode, self._tile_bytes).rows
+
+    @property
+    def _tile_bytes(self) -> int:
+        return self.machine.fabric.scratchpad.size_bytes
 
     def cycles(self) -> int:
         """About how many the job takes."""
@@ -438,7 +441,7 @@ class Sequence:
         arrays = {name: values for name, (values, _) in sources.items()}
         done = loop_steps(
             job,
-            term_program(term, views),
+            term_program(term, views, self._tile_bytes),
             {**arrays, "y": made},
             "y",
             self.launch.scalars(term),
