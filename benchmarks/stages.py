@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
 from benchmarks.paper import SCENES
@@ -28,8 +28,11 @@ is simulated.
 - binds: what is used most, DRAM, the NoC or FUs: no stage is faster than with that at 100 %. Of
   stages below half of it, also what tiles wait for most, or "own code" where that is what is left.
 
-The last table leaves out samples of little weight (`--weight-min`); `quality.md` has what that
-loses against photographs.
+The second table leaves out samples of little weight (`--weight-min`); `quality.md` has what that
+loses against photographs. The third has cycles that `--sample 0.05` predicts, over those of the
+whole frame: stages of at least a hundredth of it, from the one that is predicted too short to the
+one too long; and by how much a frame would be shorter at most if all stages ran side by side: what
+is busy longest then, DRAM, the NoC, or tiles, for as long as they now run programs.
 """.splitlines()
 HEADER: Final = (
     "| method | stage | M cycles | share | jobs | runs | DRAM | NoC | FUs | transfers | programs "
@@ -40,17 +43,26 @@ _SIDE = 800
 _HALF: Final = 0.5
 _LEAST: Final = 0.005
 """Share of a stage that has a line of its own."""
+_PREDICTED: Final = 0.01
+"""The same, if it is predicted."""
+_WAITS: Final = ("dma", "configuration", "dependency")
+"""Stalls in which a tile has nothing to run."""
+_SHARE: Final = 0.05
+"""Of the blocks of pixels, from which frames are predicted."""
 
 
 def rows(*_: object) -> Iterator[str]:
     """Yield the lines of the tables, method by method."""
     fewer: list[str] = []
+    predicted: list[str] = []
     for method in METHODS:
         _, scene = read_scene(SCENES.models()[MIC][method])
         camera, _ = SCENES.view(MIC, method, 0, _SIDE, scene)
         reference = render_reference(scene, camera).image
         frame = render_array(scene, camera, ArrayOptions(precision="fp8"))
         yield from _rows(method, frame, _near(frame, reference))
+        few = render_array(scene, camera, ArrayOptions(precision="fp8", sample=_SHARE))
+        predicted.append(_prediction(method, frame, few))
         if method not in WEIGHTS:
             continue
         for weight_min in (0.0, *WEIGHTS[method]):
@@ -65,6 +77,41 @@ def rows(*_: object) -> Iterator[str]:
     yield "| method | `--weight-min` | M colour samples | frames/s | dB to float32 |"
     yield "|---|---|---|---|---|"
     yield from fewer
+    yield ""
+    yield "| method | frames/s | predicted | stages: predicted over simulated | side by side |"
+    yield "|---|---|---|---|---|"
+    yield from predicted
+
+
+def _prediction(method: str, frame: ArrayFrame, few: ArrayFrame) -> str:
+    """A frame, what a part of its blocks predicts of it, and what it would take side by side."""
+    made = {stage.name: stage.cycles for stage in frame.stages}
+    over = {
+        name: few.predicted[name] / cycles
+        for name, cycles in made.items()
+        if cycles >= _PREDICTED * frame.cycles
+    }
+    names = sorted(over, key=lambda name: over[name])
+    ends = [f"{over[name]:.2f} ({name})" for name in (names[0], names[-1])]
+    overlap = side_by_side([stats for stage in frame.stages for stats in stage.stats])
+    return (
+        f"| {method} | {frame.frames_a_second:.1f} | {few.frames_a_second:.1f} "
+        f"| {' to '.join(ends)} | {overlap:.2f}x |"
+    )
+
+
+def side_by_side(stats: Sequence[JobStats]) -> float:
+    """How much shorter jobs would be together, if nothing in them waited but for what is busy all
+    of the time.
+    """
+    busy = Counter[str]()
+    for one in stats:
+        busy.update(one["busy"])
+        waits = sum(one["stalls"][name] for name in _WAITS if name in one["stalls"])
+        idle = one["cycles_by_use"].get("idle", 0)
+        tiles = len(one["tiles"])
+        busy["tiles"] += one["cycles"] - (waits + idle) / tiles if tiles else 0
+    return sum(one["cycles"] for one in stats) / max(busy.values())
 
 
 def _near(frame: ArrayFrame, reference: Float32Array) -> float:

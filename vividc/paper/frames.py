@@ -326,8 +326,7 @@ def _reference(key: Key, scene: Scene, camera: Camera, folder: Path) -> Float32A
 
 def _whole_stages(frame: ArrayFrame) -> dict[str, float]:
     """Return the cycles of each stage of the whole frame."""
-    shares = ((stage, 1.0 if stage.whole else frame.sampled) for stage in frame.stages)
-    return {stage.name: round(stage.cycles / share, 1) for stage, share in shares}
+    return {name: round(cycles, 1) for name, cycles in frame.predicted.items()}
 
 
 def _quality(

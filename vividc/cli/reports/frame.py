@@ -29,7 +29,8 @@ def frame_body(
     """
     seen = slice(None) if frame.simulated is None else frame.simulated
     whole = frame.simulated is None and min(reference.shape[:2]) >= _MIN_SSIM_PX
-    stages = [_stage_body(stage, machine) for stage in frame.stages]
+    predicted = frame.predicted
+    stages = [_stage_body(stage, machine, predicted[stage.name]) for stage in frame.stages]
     parts: Counter[str] = Counter()
     for stage in stages:
         parts.update(stage["energy_pj"])
@@ -49,12 +50,13 @@ def frame_body(
     }
 
 
-def _stage_body(stage: Stage, machine: Accelerator) -> dict[str, Any]:
+def _stage_body(stage: Stage, machine: Accelerator, predicted: float) -> dict[str, Any]:
     """Return the figures of a stage; energy is of its jobs, by component."""
     return {
         "name": stage.name,
         "mode": stage.mode,
         "cycles": stage.cycles,
+        "predicted_cycles": round(predicted),
         "jobs": stage.jobs,
         "runs": stage.runs,
         "dram_bytes": sum(
@@ -83,7 +85,7 @@ def print_frame(body: Mapping[str, Any]) -> None:
     if body["sampled"] < 1:
         click.echo(
             f"simulated: {100 * body['sampled']:.1f} % of the blocks of pixels; the others are "
-            "white, cycles and energy are of what was simulated, frames a second of the whole"
+            "white, cycles and energy are of what was simulated, frames a second are predicted"
         )
     click.echo(
         f"cycles: {body['cycles']:,}; {body['frames_per_second']:.2f} frames a second at "

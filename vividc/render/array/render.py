@@ -10,7 +10,7 @@ from vividc.render.array.device.ahead import compile_ahead
 from vividc.render.array.device.device import Device, open_device
 from vividc.render.array.device.frame import ArrayFrame
 from vividc.render.array.device.kernels import kernels_of
-from vividc.render.array.march.batches import render_blocks
+from vividc.render.array.march.batches import batch_count, render_blocks
 from vividc.render.array.march.crew import Work
 from vividc.render.array.march.depths import block_corners
 from vividc.render.array.march.fields import open_field
@@ -115,8 +115,10 @@ def _render_marched(
     share = len(corners) / len(block_corners(camera))
     stages = tuple(ledger.stages.values())
     simulated = None if options.sample == 1 else pixels_of(corners, SIDE, camera)
-    late = device.programs.late
-    return ArrayFrame(image, stages, dict(ledger.counts), device.clock_ghz, share, simulated, late)
+    seen = len(corners) - ledger.counts["empty_blocks"]
+    again = batch_count(round(seen / share)) / max(batch_count(seen), 1)
+    late, counts = device.programs.late, dict(ledger.counts)
+    return ArrayFrame(image, stages, counts, device.clock_ghz, share, again, simulated, late)
 
 
 def _compile(device: Device, method: str, options: ArrayOptions, degree: int = 0) -> None:

@@ -32,6 +32,8 @@ class Stage:
         The host took to simulate it.
     whole
         Simulated for the whole frame, even if only some blocks of pixels are.
+    once
+        One job, however many blocks of pixels there are.
     """
 
     name: str
@@ -42,6 +44,28 @@ class Stage:
     stats: list[JobStats] = field(default_factory=list)
     seconds: float = 0.0
     whole: bool = False
+    once: bool = False
+
+    @property
+    def cold(self) -> float:
+        """Cycles in which its jobs begin and end: a tile waits for programs, or has run its last
+        launch; the mean of a job's tiles.
+        """
+        return sum(
+            (stats["stalls"]["configuration"] + stats["cycles_by_use"]["idle"])
+            / len(stats["tiles"])
+            for stats in self.stats
+            if stats["tiles"]
+        )
+
+    def predicted(self, share: float, batches: float) -> float:
+        """Return the cycles of the whole frame, of which a share of the blocks was simulated, as
+        those of so many batches: a job's beginning and end are as long, whatever is between them.
+        """
+        if self.whole or share == 1:
+            return self.cycles
+        jobs = 1.0 if self.once else batches
+        return (self.cycles - self.cold) / share + self.cold * jobs
 
 
 @dataclass(slots=True)
@@ -69,6 +93,7 @@ class Ledger:
         stage.stats += more.stats
         stage.seconds += more.seconds
         stage.whole |= more.whole
+        stage.once |= more.once
 
     def count(self, **numbers: int) -> None:
         """Add to named counts: samples, survivors, exps."""
@@ -102,6 +127,8 @@ class ArrayFrame:
     sampled
         Share of the blocks that were simulated; below 1 the other pixels are white, and cycles
         are of the simulated blocks only.
+    batches
+        Of the whole frame, over those that were simulated: each has the same jobs.
     simulated
         [height, width] bool: pixels of those blocks; None: all.
     late
@@ -114,6 +141,7 @@ class ArrayFrame:
     counts: dict[str, int]
     clock_ghz: float
     sampled: float = 1.0
+    batches: float = 1.0
     simulated: npt.NDArray[np.bool_] | None = None
     late: tuple[str, ...] = ()
 
@@ -124,10 +152,17 @@ class ArrayFrame:
 
     @property
     def frames_a_second(self) -> float:
-        """At the tiles' clock; of a stage that is sampled, each block counts as the average."""
-        shares = (1.0 if stage.whole else self.sampled for stage in self.stages)
-        cycles = sum(stage.cycles / share for stage, share in zip(self.stages, shares, strict=True))
+        """At the tiles' clock; of a frame that is sampled, as predicted."""
+        cycles = sum(self.predicted.values())
         return self.clock_ghz * 1e9 / cycles if cycles else 0.0
+
+    @property
+    def predicted(self) -> dict[str, float]:
+        """Cycles of each stage of the whole frame: of one that is sampled, each block counts as the
+        average, and a batch's jobs begin and end as often as there are batches.
+        """
+        share, batches = self.sampled, self.batches
+        return {stage.name: stage.predicted(share, batches) for stage in self.stages}
 
 
 def total_cycles(stages: Iterable[Stage]) -> int:

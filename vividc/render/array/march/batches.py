@@ -57,6 +57,8 @@ def render_blocks(
     device.settle()  # of what failed before
     seen = seen_blocks(device, field.march, camera, corners)
     ledger = device.settle()
+    for stage in ledger.stages.values():
+        stage.once = True
     ledger.count(rays=int(inside.prod(axis=1).sum()), empty_blocks=len(corners) - len(seen))
     batches = batches_of(field.march, seen)
     for part, (pixels, cost) in zip(batches, share_out(work, batches, render, tell), strict=True):
@@ -70,15 +72,21 @@ def render_blocks(
 
 def batches_of(march: March, blocks: Blocks) -> list[Blocks]:
     """Return blocks in batches of about as many steps of rays, of at most `BLOCKS_AT_ONCE` on
-    average. The first one is smaller: helpers wait for it, as its kernels are compiled. Of more
-    than two an even number is behind it, for two processes.
+    average. The first one is smaller: helpers wait for it, as its kernels are compiled.
     """
-    number = -(-len(blocks) // BLOCKS_AT_ONCE)
-    number += number > 2 and number % 2 == 0  # noqa: PLR2004 - less than two behind the first
+    number = batch_count(len(blocks))
     steps = np.cumsum(steps_of(march, blocks))
     ends = (np.arange(number - 1) + FIRST_BATCH) / (number - 1 + FIRST_BATCH)
     cuts = np.unique([0, *np.searchsorted(steps, ends * steps[-1:]), len(blocks)])
     return [blocks[first:last] for first, last in pairwise(cuts.tolist())]
+
+
+def batch_count(blocks: int) -> int:
+    """Return in how many batches so many blocks are rendered: of more than two, an even number is
+    behind the first one, for two processes.
+    """
+    number = -(-blocks // BLOCKS_AT_ONCE)
+    return number + (number > 2 and number % 2 == 0)  # noqa: PLR2004 - less than two behind it
 
 
 def batch_renderer(

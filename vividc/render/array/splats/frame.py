@@ -91,6 +91,7 @@ def render_splats(
         dict(ledger.counts),
         machine.clock_ghz,
         len(screens) / (columns * rows),
+        1,  # a job of blending
         None if chosen.sample == 1 else pixels_of(corners, TILE_PX, camera),
         machine.programs.late,
     )
