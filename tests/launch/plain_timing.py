@@ -94,13 +94,17 @@ class TransferRun:
         machine = job.machine
         banks = min(machine.units[tile].scratchpad.banks for tile in step.tiles)
         line = max(WORD_BYTES, WORD_BYTES * (WORD_BYTES * banks // step.pitch))
-        pieces = job.outcome.gathered[number] if step.kind == "gather" else step.pieces
+        is_chosen = step.kind == "gather" or step.count_at is not None
+        pieces = job.outcome.chosen[number] if is_chosen else step.pieces
         self.job, self.engine, self.number, self.step = job, engine, number, step
         self.age = next(job.ages)
         where = step.index_pieces
         if step.listed is not None:
             size = WORD_BYTES * (1 + job.outcome.listed[number])
             where = Pieces(0, np.array([(step.listed.address, size)]))
+        if step.count_at is not None:
+            where = Pieces(0, np.array([(step.count_at, WORD_BYTES)]))
+        self.is_told_by_tile = step.listed is not None or step.count_at is not None
         self.indices = list(bursts(machine, where, line))
         self.bursts = list(bursts(machine, pieces, line))
         self.sent = self.arrived = 0
@@ -111,7 +115,7 @@ class TransferRun:
         self.job.clock.at(ready, ask if self.bursts or self.indices else self.end)
 
     def ask_index(self, cycle: int) -> None:
-        if self.step.listed is not None:
+        if self.is_told_by_tile:
             holds = self.indices[self.sent].noc_cycles
             self.job.noc.request(cycle, self.age, holds, self.list_granted)
             return

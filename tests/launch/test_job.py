@@ -68,6 +68,42 @@ def test_a_list_is_read_where_it_is_complete() -> None:
         job.gather((0, 1), table, Listed(0, 1), 64)
 
 
+@pytest.mark.parametrize("count", [0, 2, 5])
+def test_as_many_rows_move_out_as_a_run_counted(count: int) -> None:
+    out = np.full((5, 4), -1, np.int32)
+    rows, numbers = np.arange(20, dtype=np.int32), np.array([7, count], np.int32)
+    job = Job("vivid")
+    moved = [job.move_in(3, rows, 64), job.move_in(3, numbers, 0)]
+    run = job.run(3, program(double), x=At(0, (1,)), n=1, after=moved)
+    job.move_out(3, 64, out, after=[run, *moved], count_at=4)
+    result = job.simulate()
+    assert (out[:count] == rows.reshape(5, 4)[:count]).all()
+    assert (out[count:] == -1).all()
+    moved_out = 16 * count
+    assert result.stats["bytes"]["scratchpad_out"] == 4 + moved_out
+    assert result.stats["bytes"]["dram_written"] == -(-moved_out // 32) * 32
+    assert [e.size_bytes for e in result.events if e.kind == "move out"] == [moved_out]
+
+
+def test_a_count_of_more_rows_than_there_are_is_refused() -> None:
+    out = np.zeros((2, 4), np.int32)
+    job = Job("vivid")
+    moved = job.move_in(0, np.array([3], np.int32), 0)
+    job.move_out(0, 64, out[:1], after=[moved])
+    job.move_out(0, 64, out, after=[moved, 1], count_at=0)
+    with pytest.raises(ArgumentError, match="told to move 3 rows of an array of 2"):
+        job.simulate()
+    assert not out.any()
+
+
+def test_a_count_is_read_where_it_is_complete() -> None:
+    job = Job("vivid")
+    job.move_in(0, np.zeros(1, np.int32), 4)
+    job.move_out(0, 64, np.zeros(4, np.int32), count_at=4)
+    with pytest.raises(ArgumentError, match=r"step 1 .move out. and step 0 .*order is not given"):
+        job.simulate()
+
+
 def test_runs_return_values() -> None:
     x = np.arange(100, dtype=np.int32)
     job = Job("vivid")
@@ -204,6 +240,11 @@ def test_a_gather_outside_its_array_is_refused() -> None:
         (lambda job, x: job.move_in(0, [1, 2], 0), "expected a numpy array"),
         (lambda job, x: job.move_in(0, x, 0, after=[0]), "no step 0"),
         (lambda job, x: job.gather(0, x, x.astype(np.float32), 0), "int32 or uint32"),
+        (lambda job, x: job.move_out(0, 0, x, count_at=32768), "the count would lie at"),
+        (lambda job, x: job.move_out(0, 0, x, count_at=2), "the count starts at 2"),
+        (lambda job, x: job.move_out(0, 0, x, count_at="n"), "count_at"),
+        (lambda job, x: job.move_out(0, 0, x[0, ...], count_at=64), "no rows to count"),
+        (lambda job, x: job.gather(0, x, Listed(2, 1), 0), "list of indices starts at 2"),
         (lambda job, x: job.run(0, program(double), n=3), "At\\(address, shape\\)"),
         (lambda job, x: job.run(0, program(double), x=At(0, (3,))), "misses n"),
         (lambda job, x: job.run(0, program(double), x=At(2, (3,)), n=3), "multiple of 4"),
@@ -352,6 +393,8 @@ def test_arrays_that_a_kernel_makes_lie_where_they_are_told_to() -> None:
     job = Job("vivid")
     moves = [job.move_in(0, x, 0), job.move_in(0, rest, 1024)]
     run = job.run(0, program(turned), own_at=1024, x=At(0, (8,)), after=moves)
+    with pytest.raises(ArgumentError, match="bytes 1052 to 1056 of tile 0, where arrays that turn"):
+        job.move_out(0, 0, x, after=[run], count_at=1052)
     with pytest.raises(ArgumentError, match="bytes 1024 to 1056 of tile 0, where arrays that turn"):
         job.move_out(0, 1024, rest, after=[run])
     assert job.simulate().values[run] == 7

@@ -91,12 +91,15 @@ class RandomJob:
     def transfer(self, kind, several, number, chosen) -> Transfer:
         tiles = several[:1] if kind == "move out" else several
         if kind == "gather":
-            self.outcome.gathered[number] = random_pieces(self.rng, 30)
+            self.outcome.chosen[number] = random_pieces(self.rng, 30)
             if len(tiles) == 1 and self.rng.random() < 0.5:
                 chosen["listed"] = Listed(int(self.rng.choice([0, 36])), 900)
                 self.outcome.listed[number] = int(self.rng.choice([0, 1, 60, 200]))
             else:
                 chosen["index_pieces"] = random_pieces(self.rng, 4)
+        elif kind == "move out" and self.rng.random() < 0.5:
+            chosen["count_at"] = int(self.rng.choice([0, 252]))
+            self.outcome.chosen[number] = random_pieces(self.rng, 6)
         pitch = int(self.rng.choice([4, 4, 8, 64]))
         pieces = random_pieces(self.rng, 6)
         return Transfer(kind, tiles, 0, pieces, np.empty(0), pitch=pitch, **chosen)

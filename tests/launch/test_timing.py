@@ -81,6 +81,19 @@ def test_a_gather_reads_its_indices_first() -> None:
     assert result.stats["bytes"]["dram_read"] == 32 + 4 * 32
 
 
+@pytest.mark.parametrize("bursts", [0, 1, 3])
+def test_a_counted_transfer_reads_its_count_first(bursts: int) -> None:
+    x = np.zeros((5, 64), np.int32)
+    job = Job(machine())
+    counts = job.move_in(0, np.array([bursts], np.int32), 2048)
+    job.move_out(0, 0, x, count_at=2048, after=[counts])
+    result = job.simulate()
+    word = SETUP + 1 + NOC_LATENCY
+    moved = [e.end - e.start for e in result.events if e.kind == "move out"]
+    assert moved == [word if not bursts else word + move_out(bursts * BURST) - SETUP]
+    assert result.stats["bytes"]["scratchpad_out"] == 4 + bursts * BURST
+
+
 @pytest.mark.parametrize(
     ("rows", "granules", "cycles"),
     [

@@ -32,14 +32,14 @@ class Outcome:
     ----------
     runs
         What each run of a tile gave, by step.
-    gathered
-        Places of the rows that each gather moved, by step.
+    chosen
+        Places of the rows that each gather and each counted move out moved, by step.
     listed
         How many indices each gather read in a scratchpad, by step.
     """
 
     runs: dict[int, Run] = field(default_factory=dict)
-    gathered: dict[int, Pieces] = field(default_factory=dict)
+    chosen: dict[int, Pieces] = field(default_factory=dict)
     listed: dict[int, int] = field(default_factory=dict)
 
 
@@ -57,7 +57,8 @@ def carry_out(
     Raises
     ------
     SimulationError, ArgumentError
-        From a run, or for a gather's index outside its array; no array is changed.
+        From a run, for a gather's index outside its array, or for a count of more rows than an
+        array has; no array is changed.
     """
     targets = [s.view for s in steps if isinstance(s, Transfer) and s.kind == "move out"]
     working = Working(buffers, {buffers.number(v) for v in targets})
@@ -130,14 +131,15 @@ class _State:
         for tile in step.tiles:
             self._take(tile)
         if step.kind == "move out":
-            raw = self._at(step.tiles[0], step, step.view.nbytes).copy().view(np.uint8)
-            if step.view.dtype == np.bool_:
+            target = step.view if step.count_at is None else self._counted(number, step)
+            raw = self._at(step.tiles[0], step, target.nbytes).copy().view(np.uint8)
+            if target.dtype == np.bool_:
                 raw = (raw != 0).view(np.uint8)
-            self.working.write(step.view, raw)
+            self.working.write(target, raw)
             return
         view = self.working.read(step.view)
         if step.kind == "gather":
-            view = self._chosen(number, step, view)
+            view = self._gathered(number, step, view)
         raw = np.ascontiguousarray(view).reshape(-1).view(np.uint8)
         if view.dtype == np.bool_:
             raw = (raw != 0).view(np.uint8)
@@ -152,14 +154,26 @@ class _State:
             pad = pad.view(np.uint8)
         return pad[step.places(size)]
 
-    def _chosen(self, number: int, step: Transfer, view: Array) -> Array:
+    def _counted(self, number: int, step: Transfer) -> Array:
+        assert step.count_at is not None
+        count = int(self._pads[step.tiles[0]][step.count_at // WORD_BYTES])
+        if count > len(step.view):
+            raise ArgumentError(
+                f"step {number} (move out) is told to move {count} rows of an array of "
+                f"{len(step.view)} rows"
+            )
+        rows = step.view[:count]
+        self.outcome.chosen[number] = self._buffers.pieces(rows)
+        return rows
+
+    def _gathered(self, number: int, step: Transfer, view: Array) -> Array:
         indices = self._indices(number, step).astype(np.int64)
         wrong = indices[(indices < 0) | (indices >= len(view))]
         if wrong.size:
             raise ArgumentError(
                 f"step {number} (gather) asks for row {wrong[0]} of an array of {len(view)} rows"
             )
-        self.outcome.gathered[number] = self._buffers.rows(step.view, indices, self._granule)
+        self.outcome.chosen[number] = self._buffers.rows(step.view, indices, self._granule)
         return view[indices]
 
     def _indices(self, number: int, step: Transfer) -> Array:

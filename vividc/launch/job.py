@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Mapping as ReadOnly
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 
 import numpy as np
@@ -142,11 +142,14 @@ class Job:
     def _check_listed(self, listed: Listed, tiles: tuple[int, ...]) -> None:
         if len(tiles) != 1:
             raise ArgumentError("a gather by a list in a scratchpad is for one tile")
-        start, end = listed.extent
+        self._check_told(*listed.extent, tiles[0], "the list of indices", "a gather")
+
+    def _check_told(self, start: int, end: int, tile: int, what: str, reader: str) -> None:
+        """Check where something lies that the engine reads in a scratchpad to know what to move."""
+        self._fits(start, end - start, (tile,), what)
         if start % WORD_BYTES:
-            raise ArgumentError(f"a list of indices starts at {start}, not at a multiple of 4")
-        self._fits(start, end - start, tiles, "the list of indices")
-        self._own.demand_kept(tiles[0], start, end, "a gather")
+            raise ArgumentError(f"{what} starts at {start}, not at a multiple of 4")
+        self._own.demand_kept(tile, start, end, reader)
 
     def move_out(
         self,
@@ -156,9 +159,16 @@ class Job:
         *,
         after: Sequence[int] = (),
         pitch: int = WORD_BYTES,
+        count_at: int | None = None,
     ) -> int:
         """Copy from byte `address` of a tile's scratchpad, word by word `pitch` bytes apart, to an
         array, contiguous or strided.
+
+        Parameters
+        ----------
+        count_at
+            First byte of a word of the scratchpad that says how many rows of the array move, the
+            first ones: the engine reads it when the step runs. None: all of them.
 
         Raises
         ------
@@ -169,10 +179,14 @@ class Job:
         array = _array(target)
         if not array.flags.writeable:
             raise ArgumentError("the target of a move out is read-only", hint="pass a copy")
-        pieces = self._buffers.pieces(array)
-        step = Transfer(
-            "move out", where, address, pieces, array, after=self._after(after), pitch=pitch
-        )
+        pieces, known = self._buffers.pieces(array), self._after(after)
+        step = Transfer("move out", where, address, pieces, array, None, None, known, pitch)
+        if count_at is not None:
+            demand_type(count_at, (int, np.integer), "count_at", "give a byte of the scratchpad")
+            if array.ndim == 0:
+                raise ArgumentError("an array of no dimension has no rows to count")
+            self._check_told(count_at, count_at + WORD_BYTES, where[0], "the count", "a move out")
+            step = replace(step, count_at=count_at)
         return self._transfer(step)
 
     def configure(

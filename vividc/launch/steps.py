@@ -56,6 +56,9 @@ class Transfer:
         Where a gather's indices lie: they are read first, and go no further than the engine.
     listed
         Where they lie if that is in the scratchpad.
+    count_at
+        First byte of a word of the scratchpad that says how many rows of the array a move out
+        moves; without it all move.
     view
         The array whose elements move, as the caller gave it (gather: its chosen rows).
     after
@@ -74,6 +77,16 @@ class Transfer:
     after: tuple[int, ...] = ()
     pitch: int = WORD_BYTES
     listed: Listed | None = None
+    count_at: int | None = None
+
+    @property
+    def told_at(self) -> tuple[int, int] | None:
+        """First byte and end, at most, of what the engine reads in the tile's scratchpad to know
+        what to move.
+        """
+        if self.count_at is not None:
+            return self.count_at, self.count_at + WORD_BYTES
+        return None if self.listed is None else self.listed.extent
 
     @property
     def size(self) -> int:

@@ -48,8 +48,8 @@ def _of_scratchpads(steps: Sequence[Step]) -> Ints:
             start, end = step.extent(step.size)
             for tile in step.tiles:
                 rows += (tile, start, end, number, step.kind != "move out")
-            if step.listed is not None:
-                rows += (step.tiles[0], *step.listed.extent, number, False)
+            if step.told_at is not None:
+                rows += (step.tiles[0], *step.told_at, number, False)
     return np.array(rows, dtype=np.int64).reshape(-1, 5)
 
 

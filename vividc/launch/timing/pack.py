@@ -191,8 +191,8 @@ def _replaced(
 def _bursts(
     accelerator: Accelerator, steps: Sequence[Step], outcome: Outcome
 ) -> tuple[Ints, Ints, Ints, Ints]:
-    """By step the first burst for its indices, the first for its data and the one behind; and all
-    bursts.
+    """By step the first burst for its indices or count, the first for its data and the one behind;
+    and all bursts.
     """
     parts: list[Ints] = [np.empty((0, 2), dtype=np.int64)]
     counts = np.zeros((len(steps), 2), dtype=np.int64)
@@ -202,8 +202,8 @@ def _bursts(
             lines[number] = line_bytes(accelerator, step)
             parts.append(_index_spans(step, outcome.listed.get(number, 0)))
             counts[number, 0] = len(parts[-1])
-            in_pads[number] = step.listed is not None
-            parts.append(outcome.gathered.get(number, step.pieces).spans)
+            in_pads[number] = step.told_at is not None
+            parts.append(outcome.chosen.get(number, step.pieces).spans)
             counts[number, 1] = len(parts[-1])
     owners = np.repeat(np.arange(len(steps)), counts.sum(axis=1))
     first, bursts = cut_pieces(cut_of(accelerator), owners, lines[owners], np.concatenate(parts))
@@ -218,9 +218,11 @@ def _bursts(
 
 
 def _index_spans(step: Transfer, listed: int) -> Ints:
-    """Where a gather's indices lie: in DRAM, or in a scratchpad so many behind their number."""
-    if step.listed is not None:
-        return np.array([(step.listed.address, WORD_BYTES * (1 + listed))], dtype=np.int64)
+    """Where a gather's indices lie, in DRAM, or in a scratchpad so many behind their number; or
+    where the count of a move out does.
+    """
+    if step.told_at is not None:
+        return np.array([(step.told_at[0], WORD_BYTES * (1 + listed))], dtype=np.int64)
     if step.index_pieces is not None:
         return step.index_pieces.spans
     return np.empty((0, 2), dtype=np.int64)

@@ -7,7 +7,9 @@ from typing import Final, NamedTuple
 from vividc.launch.flat import Ints, Ints2
 
 MOVE_IN, MOVE_OUT, CONFIGURE, RUN = 0, 1, 2, 3
-"""Kinds of steps; a gather is a move in whose indices are bursts, too."""
+"""Kinds of steps; a gather is a move in whose indices are bursts, too, as is the count of a move
+out that has one.
+"""
 
 SIZE, DRAM_BYTES, DRAM_CYCLES, NOC_CYCLES, PAD_CYCLES, OWNER = range(6)
 """Columns of `Graph.bursts`: bytes that are wanted; bytes that DRAM moves, whole granules; how long
@@ -61,7 +63,8 @@ class Graph(NamedTuple):
     configurations
         The configuration steps.
     index_begin, data_begin, data_end
-        By step: the bursts that read a gather's indices, and behind them those that move the data.
+        By step: the bursts that read a gather's indices or a move's count, and behind them those
+        that move the data.
     bursts
         [n, 6]: see the columns.
     """

@@ -83,7 +83,9 @@ def ask(graph: Graph, queues: Queues, state: State, burst: int, cycle: int) -> N
 
 @inlined
 def _is_list(graph: Graph, burst: int) -> bool:
-    """Whether a burst brings a gather's indices from a scratchpad: it never crosses the channel."""
+    """Whether a burst brings a gather's indices or a move's count from a scratchpad: it never
+    crosses the channel.
+    """
     return bool(graph.bursts[burst, DRAM_CYCLES] == 0)
 
 
