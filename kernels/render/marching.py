@@ -177,7 +177,8 @@ def occupied_samples(
 
 @vividc.kernel(
     "int32(float32[:, ::1], float32[::1], uint32[::1], float32[::1], int32[::1], uint32[::1],"
-    " int32[::1], uint32[::1], int32, int32, int32, int32[::1], uint32[::1], int32[::1])"
+    " int32[::1], uint32[::1], int32, int32, int32, int32[::1], uint32[::1], int32[::1],"
+    " int32[::1])"
 )
 def march_rays(
     directions,
@@ -194,13 +195,14 @@ def march_rays(
     candidates,
     bricks_of,
     items,
+    count,
 ):
     """Samples of a block's rays in occupied cells.
 
     The steps of each ray are cut into parts of `at_once`; parts `start` to `end` (excluded) are
     looked at. `candidates` and `bricks_of` have room for all samples of a part, and `items` for
-    no fewer. Returns how many samples there are << 16 | the part at which to go on if there was no
-    room for all, or 0.
+    no fewer. `count` gets how many samples there are. Returns that << 16 | the part at which to go
+    on if there was no room for all, or 0.
     """
     kept = np.int32(0)
     for part in range(start, end):
@@ -213,8 +215,10 @@ def march_rays(
             *(entries, candidates, bricks_of, found, kept, items),
         )
         if after > len(items):
+            count[0] = kept
             return np.int32((kept << 16) | part)
         kept = after
+    count[0] = kept
     return np.int32(kept << 16)
 
 
@@ -281,17 +285,19 @@ def list_sample(
 
 @vividc.kernel(
     "int32(float32[::1], int32[::1], int32, int32, float32[::1], int32, float32[::1], int32[::1],"
-    " int32[::1], float32[::1])"
+    " int32[::1], float32[::1], int32[::1])"
 )
 def transmittance(
-    thickness, items, goes_on, first_sample, limits, keep_all, left, kept, kept_items, weights
-):
+    thickness, items, goes_on, first_sample, limits, keep_all, left, kept, kept_items, weights,
+    count,
+):  # fmt: skip
     """Light that reaches each sample of a block, and the samples that count: Lookahead Culling I.
 
     A sample counts if the light before it is at least `limits[0]`, and its weight above
     `limits[1]`. Those, or with `keep_all` all, are listed: number, item and weight, which is 0
     where a sample does not count; there are at most 1024. `left` is what passes all samples of a
-    ray; with `goes_on` it holds what passes those before. Returns how many are listed.
+    ray; with `goes_on` it holds what passes those before. Returns how many are listed, as `count`
+    gets, too.
     """
     begin(left, goes_on)
     listed = np.int32(0)
@@ -300,16 +306,17 @@ def transmittance(
             *(sample, thickness[sample], items, first_sample, limits, keep_all, left),
             *(kept, kept_items, weights, listed),
         )
+    count[0] = listed
     return listed
 
 
 @vividc.kernel(
     "int32(float32[::1], int32[::1], int32[::1], int32, int32, float32[::1], int32, float32[::1],"
-    " int32[::1], int32[::1], float32[::1])"
+    " int32[::1], int32[::1], float32[::1], int32[::1])"
 )
 def transmittance_in_groups(
     thickness, places, items, goes_on, first_sample, limits, keep_all, left, kept, kept_items,
-    weights,
+    weights, count,
 ):  # fmt: skip
     """As `transmittance`, of samples whose thickness is at `places`."""
     begin(left, goes_on)
@@ -319,6 +326,7 @@ def transmittance_in_groups(
             *(sample, thickness[np.uint32(places[sample])], items, first_sample, limits, keep_all),
             *(left, kept, kept_items, weights, listed),
         )
+    count[0] = listed
     return listed
 
 

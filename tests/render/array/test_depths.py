@@ -58,10 +58,11 @@ def random_camera(rng: np.random.Generator, march: March) -> Camera:
 def samples(march: March, camera: Camera, blocks: Blocks) -> dict[tuple[int, ...], list[int]]:
     """The samples of each block that has any, in the order in which the kernel lists them."""
     bricks, geometry = pack_bricks(march.occupied), geometry_of(march, camera)
-    focal, count = camera.focal, len(blocks)
+    focal = camera.focal
     lens = np.array([camera.width, camera.height, focal, 1 / focal], np.float32)
-    directions = np.zeros((count, 64, 3), np.float32)
-    entries, steps = np.zeros((count, 64), np.float32), np.zeros((count, 64), np.uint32)
+    shape = (len(blocks), 64)
+    directions = np.zeros((*shape, 3), np.float32)
+    entries, steps = np.zeros(shape, np.float32), np.zeros(shape, np.uint32)
     pose = np.ascontiguousarray(camera.c2w[:3, :3])
     KERNELS.camera_rays(
         *(pose, lens, geometry, march.samples, blocks.corners, blocks.depths),
@@ -72,11 +73,12 @@ def samples(march: March, camera: Camera, blocks: Blocks) -> dict[tuple[int, ...
     candidates, bricks_of = np.zeros(64 * AT_ONCE, np.int32), np.zeros(64 * AT_ONCE, np.uint32)
     ends = parts_of(march, blocks, AT_ONCE)
     for number, (corner, end) in enumerate(zip(blocks.corners, ends, strict=True)):
-        items = np.zeros(ROOM, np.int32)
+        items, count = np.zeros(ROOM, np.int32), np.zeros(1, np.int32)
         rays = (directions[number], entries[number], steps[number])
-        room = (candidates, bricks_of, items)
+        room = (candidates, bricks_of, items, count)
         kept = KERNELS.march_rays(*rays, *tables, 0, end, AT_ONCE, *room)
         assert kept & 0xFFFF == 0
+        assert count[0] == kept >> 16
         if kept:
             found[tuple(map(int, corner))] = items[: kept >> 16].tolist()
     return found

@@ -104,6 +104,44 @@ def test_sums_are_carried_on_and_leave_after_the_last_launch(device: Device) -> 
     assert moved["scratchpad_out"] == out.nbytes
 
 
+def test_as_many_rows_leave_as_a_launch_counts(device: Device) -> None:
+    """Of the samples of twenty blocks about a half have a weight; of the first block none has."""
+    rng = np.random.default_rng(9)
+    launches, counts = [], []
+    for block in range(20):
+        count = int(rng.integers(1, 40))
+        has_weight = (rng.random(count) < 0.5) & (block > 0)
+        launches.append(
+            Launch(
+                shapes={"count": (1,)},
+                inputs={
+                    "thickness": has_weight.astype(np.float32),
+                    "items": np.arange(count, dtype=np.int32) << 16,
+                },
+                outputs={
+                    "kept_items": np.full(count, -1, np.int32),
+                    "weights": np.full(count, -1, np.float32),
+                },
+                shared={"limits": np.array([1e-4, 1e-4], np.float32)},
+                carried={"left": np.zeros(64, np.float32)},
+                work={"kept": (count,)},
+                scalars={"goes_on": 0, "first_sample": 0, "keep_all": 0},
+                counted={"kept_items": "count", "weights": "count"},
+            )
+        )
+        counts.append(int(has_weight.sum()))
+    assert device.run("test", "render/marching:transmittance", launches) == counts
+    for one, count in zip(launches, counts, strict=True):
+        weights, items = one.outputs["weights"], one.outputs["kept_items"]
+        np.testing.assert_allclose(weights[:count], 1 - np.exp(-1), rtol=1e-6)
+        samples = np.flatnonzero(one.inputs["thickness"])
+        np.testing.assert_array_equal(items[:count], (samples << 22) | (samples << 16))
+        assert (weights[count:] == -1).all()
+        assert (items[count:] == -1).all()
+    moved = device.ledger.stages["test"].stats[0]["bytes"]
+    assert moved["scratchpad_out"] == sum(4 * 64 + 2 * (4 + 4 * count) for count in counts)
+
+
 def test_what_does_not_fit_is_told_with_its_sizes(device: Device) -> None:
     x = np.zeros(5000, np.float32)
     with pytest.raises(SceneError, match=r"needs \d+ bytes of a scratchpad of 32768: x 20000"):

@@ -47,12 +47,13 @@ class Marched:
         (end,) = parts_of(march, Blocks(corners, depths), at_once)
         pieces, start = [], 0
         while True:
-            items = np.zeros(room, np.int32)
+            items, count = np.zeros(room, np.int32), np.zeros(1, np.int32)
             work = np.zeros(64 * at_once, np.int32), np.zeros(64 * at_once, np.uint32)
             found = KERNELS.march_rays(
-                *(rays[0], entries[0], steps[0], *tables, start, end, at_once, *work, items)
+                *(rays[0], entries[0], steps[0], *tables, start, end, at_once, *work, items, count)
             )
-            pieces.append(items[: found >> 16])
+            assert count[0] == found >> 16
+            pieces.append(items[: count[0]])
             start = found & 0xFFFF
             if not start:
                 break
@@ -150,7 +151,7 @@ def test_pieces_give_what_the_whole_gives(grouped: bool) -> None:
         for first, last in pairwise(bounds):
             count = last - first
             numbers, chosen = np.zeros((2, count), np.int32)
-            weights = np.zeros(count, np.float32)
+            weights, counted = np.zeros(count, np.float32), np.zeros(1, np.int32)
             there, order = thickness[first:last], rng.permutation(count).astype(np.int32)
             rest = (items[first:last], int(first > 0), first, limits, 0)
             if grouped:
@@ -159,7 +160,8 @@ def test_pieces_give_what_the_whole_gives(grouped: bool) -> None:
                 kernel, given = KERNELS.transmittance_in_groups, (mixed, order, *rest)
             else:
                 kernel, given = KERNELS.transmittance, (there, *rest)
-            listed = kernel(*given, left, numbers, chosen, weights)
+            listed = kernel(*given, left, numbers, chosen, weights, counted)
+            assert counted[0] == listed
             places = chosen[:listed].view(np.uint32) >> 22
             np.testing.assert_array_equal(places, numbers[:listed] - first)
             kept.append((numbers[:listed], chosen[:listed], weights[:listed]))

@@ -88,6 +88,8 @@ class Fields:
     ----------
     reads, writes
         Fields that are moved in before, and out after it.
+    count
+        A word in which the kernel leaves how many rows of each of `writes` leave; None: all.
     shared
         Arrays that all launches read.
     holds, carries
@@ -103,6 +105,7 @@ class Fields:
 
     reads: Columns
     writes: Columns = field(default_factory=dict)
+    count: str | None = None
     shared: Mapping[str, Words] = field(default_factory=dict)
     holds: Columns = field(default_factory=dict)
     carries: Columns = field(default_factory=dict)
@@ -112,10 +115,15 @@ class Fields:
 
     def run(self, device: Device, stage: str, kernel: str, pieces: Iterable[Piece]) -> list[int]:
         """Run the kernel once a piece, and return what each run returned."""
+        counted = {
+            name: self.count for name, column in self.writes.items() if column and self.count
+        }
         launches = [
             Launch(
+                shapes={name: (1,) for name in set(counted.values())},
                 inputs=_of(piece, self.reads),
                 outputs=_of(piece, self.writes),
+                counted=counted,
                 shared={**self.shared, **_of(piece, self.holds)},
                 carried=_of(piece, self.carries),
                 work={name: (words(piece),) for name, words in self.work.items()},

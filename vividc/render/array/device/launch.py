@@ -100,6 +100,9 @@ class Launch:
         Arrays that hold nothing when the kernel starts or ends, by parameter.
     scalars
         The other arguments.
+    counted
+        Whole outputs of which only the first rows leave, and the parameter whose first word says
+        how many when the kernel is done.
     cost
         How long it takes, in any unit: `Device.run` deals out by it.
     """
@@ -113,6 +116,7 @@ class Launch:
     starts: Mapping[str, Words] = field(default_factory=dict)
     work: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     scalars: Mapping[str, object] = field(default_factory=dict)
+    counted: Mapping[str, str] = field(default_factory=dict)
     cost: float = 1.0
 
     @property

@@ -234,8 +234,9 @@ class _Tile:
         if self._program is not None:
             step = self._run(launch, at, after, **({"phase": 1} if launch.fetched else {}))
             done = (step,)
+        counts = {name: at[count] for name, count in launch.counted.items()}
         leaving = [
-            self._move_out(at[name] + move.first_byte, move.array, done)
+            self._move_out(at[name] + move.first_byte, move.array, done, counts.get(name))
             for name, array in launch.outputs.items()
             for move in pieces(array)
             if isinstance(move.array, np.ndarray)
@@ -308,8 +309,10 @@ class _Tile:
                 steps.append(job.move_in(tile, array, at, after=known))
         return steps
 
-    def _move_out(self, address: int, array: Words, after: Sequence[int]) -> int:
-        step = self._job.move_out(self._tile, address, array, after=after)
+    def _move_out(
+        self, address: int, array: Words, after: Sequence[int], count_at: int | None = None
+    ) -> int:
+        step = self._job.move_out(self._tile, address, array, after=after, count_at=count_at)
         self.leaving.append((array, step))
         return step
 

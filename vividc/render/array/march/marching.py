@@ -43,7 +43,7 @@ from vividc.render.array.records import (
     of_samples,
     weights,
 )
-from vividc.render.array.steering import LEAST_PARTS, MOST_ITEMS, STEPS_AT_ONCE
+from vividc.render.array.steering import LEAST_PARTS, STEPS_AT_ONCE
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.camera import Camera
 from vividc.render.errors import SceneError
@@ -151,6 +151,7 @@ class Marcher:
         block = slice(number * RAYS, (number + 1) * RAYS)
         room = (RAYS * self._at_once,)
         return Launch(
+            shapes={"count": (1,)},
             work={"candidates": room, "bricks_of": room},
             inputs={
                 "directions": rays.directions[block],
@@ -158,6 +159,7 @@ class Marcher:
                 "steps": rays.steps[block],
             },
             outputs={"items": items},
+            counted={"items": "count"},
             shared=self._tables,
             scalars={"start": start, "end": end, "at_once": self._at_once},
             cost=end - start + 1,
@@ -185,6 +187,7 @@ class Marcher:
                 "kept_items": of_samples(listed),
                 "weights": of_samples(weights_of),
             },
+            count="count",
             work={} if asks else {"kept": len},
             shared={"limits": self._limits},
             carries={"left": of_blocks(left)},
@@ -268,7 +271,7 @@ def _room(march: March, bricks: Bricks, scratchpad_bytes: int) -> tuple[int, int
             hint="store fewer and longer steps",
         )
     for at_once in STEPS_AT_ONCE:
-        room = min(MOST_ITEMS, words - _CANDIDATE_WORDS * RAYS * at_once)
+        room = words - _CANDIDATE_WORDS * RAYS * at_once
         if room >= (LEAST_PARTS if at_once > 1 else 1) * RAYS * at_once:
             return at_once, room
     raise SceneError(
