@@ -1,11 +1,8 @@
-"""What stands between the networks of Instant-NGP (Mueller et al. 2022): the density from the first
-network's outputs, the inputs of the second, the colour.
+"""What stands between the networks of Instant-NGP (Mueller et al. 2022): directions, and the inputs
+of the second network, from the first one's outputs.
 
-Networks have blocks of 16 samples, [block, feature, sample]; else they lie by block, sample and
-feature.
+Networks have blocks of 16 samples, [block, feature, sample].
 """
-
-import math
 
 import numpy as np
 from numba import njit
@@ -14,7 +11,6 @@ import vividc
 from vividc import lang
 
 ONE = np.float32(1.0)
-LARGEST = np.float32(80.0)
 HIGH = np.int32(16)
 RAYS = np.uint32(63)
 PLACE = np.uint32(22)
@@ -37,18 +33,6 @@ THREE = np.float32(3.0)
 FIVE = np.float32(5.0)
 
 
-@vividc.kernel("void(float32[:, :, ::1], float32, float32, float32[:, ::1], float32[:, :, ::1])")
-def density(x, limit, step, thickness, features):
-    """Optical thickness of a step, exp of the first output, clamped; and all outputs by sample."""
-    for block in range(x.shape[0]):
-        for sample in range(16):
-            for feature in range(features.shape[2]):
-                features[block, sample, feature] = x[block, feature, sample]
-    for block in range(x.shape[0]):
-        for sample in range(16):
-            thickness[block, sample] = math.exp(min(x[block, 0, sample], limit)) * step
-
-
 @njit
 def word(a, b, c, d, scale):
     """Four numbers, times `scale`, as float8."""
@@ -59,17 +43,6 @@ def word(a, b, c, d, scale):
 def halves(word):
     """Two float16 in a word."""
     return np.float32(lang.fp16_from_bits(word)), lang.dot_fp16(word, UPPER, np.float32(0))
-
-
-@vividc.kernel("void(uint32[:, ::1], float32, float32, float32[:, ::1])")
-def density_fp8(x, limit, step, thickness):
-    """Optical thickness of a step as `density`, of words of float16: the first output is the lower
-    one.
-    """
-    for block in range(x.shape[0]):
-        for sample in range(16):
-            first = np.float32(lang.fp16_from_bits(x[block, sample]))
-            thickness[block, sample] = math.exp(min(first, limit)) * step
 
 
 @njit
@@ -102,37 +75,33 @@ def harmonics(directions, block, sample):
     )
 
 
-@vividc.kernel("void(float32[:, :, ::1], float32[:, :, ::1], float32[:, :, ::1])")
-def colour_inputs(features, directions, out):
-    """16 spherical harmonics of the unit directions, then the features."""
+@vividc.kernel("void(float32[:, :, ::1], float32[:, :, ::1])")
+def directions(directions, out):
+    """16 spherical harmonics of unit directions, [block, 16, 16]."""
     for block in range(out.shape[0]):
-        for sample in range(16):
-            terms = harmonics(directions, block, sample)
-            out[block, 0, sample] = terms[0]
-            out[block, 1, sample] = terms[1]
-            out[block, 2, sample] = terms[2]
-            out[block, 3, sample] = terms[3]
-            out[block, 4, sample] = terms[4]
-            out[block, 5, sample] = terms[5]
-            out[block, 6, sample] = terms[6]
-            out[block, 7, sample] = terms[7]
-            out[block, 8, sample] = terms[8]
-            out[block, 9, sample] = terms[9]
-            out[block, 10, sample] = terms[10]
-            out[block, 11, sample] = terms[11]
-            out[block, 12, sample] = terms[12]
-            out[block, 13, sample] = terms[13]
-            out[block, 14, sample] = terms[14]
-            out[block, 15, sample] = terms[15]
-    for block in range(out.shape[0]):
-        for sample in range(16):
-            for feature in range(features.shape[2]):
-                out[block, feature + 16, sample] = features[block, sample, feature]
+        for ray in range(16):
+            t = harmonics(directions, block, ray)
+            out[block, ray, 0] = t[0]
+            out[block, ray, 1] = t[1]
+            out[block, ray, 2] = t[2]
+            out[block, ray, 3] = t[3]
+            out[block, ray, 4] = t[4]
+            out[block, ray, 5] = t[5]
+            out[block, ray, 6] = t[6]
+            out[block, ray, 7] = t[7]
+            out[block, ray, 8] = t[8]
+            out[block, ray, 9] = t[9]
+            out[block, ray, 10] = t[10]
+            out[block, ray, 11] = t[11]
+            out[block, ray, 12] = t[12]
+            out[block, ray, 13] = t[13]
+            out[block, ray, 14] = t[14]
+            out[block, ray, 15] = t[15]
 
 
 @vividc.kernel("void(float32[:, :, ::1], float32, uint32[:, :, ::1])")
 def directions_fp8(directions, scale, out):
-    """16 spherical harmonics of unit directions, times `scale`, four to a word, [block, 16, 4]."""
+    """As `directions`, times `scale`, four to a word, [block, 16, 4]."""
     for block in range(out.shape[0]):
         for ray in range(16):
             t = harmonics(directions, block, ray)
@@ -142,62 +111,63 @@ def directions_fp8(directions, scale, out):
             out[block, ray, 3] = word(t[12], t[13], t[14], t[15], scale)
 
 
-@vividc.kernel(
-    "void(uint32[:, :, ::1], uint32[:, ::1], int32[::1], int32, float32, uint32[:, :, ::1])"
-)
-def colour_inputs_fp8(outputs, of_rays, items, first, scale, out):
-    """The network's inputs of those samples of a piece that survive: four words of their ray's
+@njit
+def ray_of(items, sample):
+    """The ray of a sample, or of the last one, among the piece's."""
+    return np.uint32(items[min(np.int32(sample), np.int32(len(items) - 1))] >> HIGH) & RAYS
+
+
+@njit
+def place_of(items, sample, first):
+    """Where among the blocks a sample, or the last one, is."""
+    item = items[min(np.int32(sample), np.int32(len(items) - 1))]
+    return (np.uint32(item) >> PLACE) + np.uint32(first)
+
+
+@vividc.kernel("void(float32[:, :, ::1], float32[:, ::1], int32[::1], int32, float32[:, :, ::1])")
+def colour_inputs(outputs, of_rays, items, first, out):
+    """The network's inputs of those samples of a piece that survive: the terms of their ray's
     direction, then the first network's outputs. The last sample fills the last block up.
 
     Parameters
     ----------
     outputs
-        [block, word, sample] of two float16, a multiple of four of a sample: all blocks with
-        samples of the piece. Times `scale` they become float8.
+        [block, output, sample]: all blocks with samples of the piece.
     of_rays
-        [64, 4] of its rays.
+        [64, 16] of its rays.
     items
         As in marching.py.
     first
         The first block's sample that is the piece's first.
     """
-    last = np.int32(len(items) - 1)
     for sample in range(16 * out.shape[0]):
-        ray = np.uint32(items[min(np.int32(sample), last)] >> HIGH) & RAYS
+        ray = ray_of(items, sample)
+        for k in range(16):
+            out[sample >> 4, k, sample & 15] = of_rays[ray, k]
+    for sample in range(16 * out.shape[0]):
+        for k in range(out.shape[1] - 16):
+            place = place_of(items, sample, first)
+            block, lane = place >> np.uint32(4), place & np.uint32(15)
+            out[sample >> 4, 16 + k, sample & 15] = outputs[block, k, lane]
+
+
+@vividc.kernel(
+    "void(uint32[:, :, ::1], uint32[:, ::1], int32[::1], int32, float32, uint32[:, :, ::1])"
+)
+def colour_inputs_fp8(outputs, of_rays, items, first, scale, out):
+    """As `colour_inputs`: four words of directions, `of_rays` [64, 4]; `outputs` are words of two
+    float16, a multiple of four of a sample, which times `scale` become float8.
+    """
+    for sample in range(16 * out.shape[0]):
+        ray = ray_of(items, sample)
         out[sample >> 4, 0, sample & 15] = of_rays[ray, 0]
         out[sample >> 4, 1, sample & 15] = of_rays[ray, 1]
         out[sample >> 4, 2, sample & 15] = of_rays[ray, 2]
         out[sample >> 4, 3, sample & 15] = of_rays[ray, 3]
     for sample in range(16 * out.shape[0]):
         for k in range(out.shape[1] - 4):
-            place = (np.uint32(items[min(np.int32(sample), last)]) >> PLACE) + np.uint32(first)
+            place = place_of(items, sample, first)
             block, lane = place >> np.uint32(4), place & np.uint32(15)
             a, b = halves(outputs[block, 2 * k, lane])
             c, d = halves(outputs[block, 2 * k + 1, lane])
             out[sample >> 4, 4 + k, sample & 15] = word(a, b, c, d, scale)
-
-
-@njit
-def sigmoid(x):
-    return ONE / (ONE + math.exp(min(max(-x, -LARGEST), LARGEST)))
-
-
-@vividc.kernel("void(float32[:, :, ::1], float32[:, :, ::1])")
-def colour(x, out):
-    """Sigmoids of the first three outputs."""
-    for block in range(x.shape[0]):
-        for sample in range(16):
-            for channel in range(3):
-                out[block, sample, channel] = sigmoid(x[block, channel, sample])
-
-
-@vividc.kernel("void(uint32[:, :, ::1], float32[:, :, ::1])")
-def colour_fp8(x, out):
-    """As `colour`, of words of two float16."""
-    for block in range(x.shape[0]):
-        for sample in range(16):
-            red, green = halves(x[block, 0, sample])
-            out[block, sample, 0] = sigmoid(red)
-            out[block, sample, 1] = sigmoid(green)
-            blue = np.float32(lang.fp16_from_bits(x[block, 1, sample]))
-            out[block, sample, 2] = sigmoid(blue)

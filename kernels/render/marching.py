@@ -18,6 +18,7 @@ import numpy as np
 from numba import prange
 
 import vividc
+from vividc import lang
 
 ZERO = np.float32(0.0)
 QUARTER = np.float32(0.25)
@@ -28,6 +29,10 @@ MOST = np.float32(65534.0)
 LOW = np.uint32(0xFFFF)
 HIGH = np.uint32(16)
 PLACE = np.uint32(22)
+LARGE = np.float32(20.0)
+LARGEST = np.float32(80.0)
+UPPER = np.uint32(0x3C000000)
+"""0 and 1 as float16: the products with a word of finite numbers add up to the upper one."""
 
 
 @numba.njit
@@ -243,15 +248,6 @@ def sample_points(directions, entries, geometry, items, first_ray, points, rays)
         rays[sample] = first_ray + np.int32(ray)
 
 
-@vividc.kernel("void(uint32[::1], int32[::1], int32, uint32[::1])")
-def keep_rows(rows, items, shift, out):
-    """Rows of those samples that survive, of 1 << `shift` words each."""
-    for word in range(len(out)):
-        row = np.uint32(items[np.uint32(word) >> np.uint32(shift)]) >> PLACE
-        within = np.uint32(word) & np.uint32((np.uint32(1) << np.uint32(shift)) - np.uint32(1))
-        out[word] = rows[np.uint32(row << np.uint32(shift)) + within]
-
-
 @numba.njit
 def begin(left, goes_on):
     """Let all light pass before the first samples of a block."""
@@ -261,12 +257,14 @@ def begin(left, goes_on):
 
 
 @numba.njit
-def list_sample(
-    sample, thickness, items, first_sample, limits, keep_all, left, kept, kept_items, weights,
-    listed,
-):  # fmt: skip
-    """List a sample of some thickness if it counts, as `transmittance` says; returns how many are
-    listed then.
+def list_sample(sample, thickness, items, limits, keep_all, left, kept_items, weights, listed):
+    """List a sample of some optical thickness of a step if it counts; returns how many are listed
+    then.
+
+    A sample counts if the light before it is at least `limits[0]`, and its weight above
+    `limits[1]`: Lookahead Culling I. Those, or with `keep_all` all, are listed: item and weight,
+    which is 0 where a sample does not count; there are at most 1024. `left` is what passes all
+    samples of a ray; where a kernel `goes_on`, it holds what passes those before.
     """
     ray = ray_of(items[sample])
     light = left[ray]
@@ -275,7 +273,6 @@ def list_sample(
     counts = light >= limits[0] and weight > limits[1]
     if counts or keep_all != 0:
         place = np.uint32(listed)
-        kept[place] = first_sample + sample
         kept_items[place] = items[sample] | np.int32(np.uint32(sample) << PLACE)
         weights[place] = weight if counts else ZERO
         listed = np.int32(listed + 1)
@@ -284,47 +281,88 @@ def list_sample(
 
 
 @vividc.kernel(
-    "int32(float32[::1], int32[::1], int32, int32, float32[::1], int32, float32[::1], int32[::1],"
+    "int32(float32[::1], int32[::1], int32[::1], int32, float32[::1], int32, float32[::1],"
     " int32[::1], float32[::1], int32[::1])"
 )
-def transmittance(
-    thickness, items, goes_on, first_sample, limits, keep_all, left, kept, kept_items, weights,
-    count,
-):  # fmt: skip
-    """Light that reaches each sample of a block, and the samples that count: Lookahead Culling I.
-
-    A sample counts if the light before it is at least `limits[0]`, and its weight above
-    `limits[1]`. Those, or with `keep_all` all, are listed: number, item and weight, which is 0
-    where a sample does not count; there are at most 1024. `left` is what passes all samples of a
-    ray; with `goes_on` it holds what passes those before. Returns how many are listed, as `count`
-    gets, too.
+def transmittance_in_groups(
+    thickness, places, items, goes_on, limits, keep_all, left, kept_items, weights, count
+):
+    """Light that reaches each sample of a block, whose thickness is at `places`, and the samples
+    that are listed (`list_sample`); returns how many, as `count` gets, too.
     """
     begin(left, goes_on)
     listed = np.int32(0)
-    for sample in range(len(thickness)):
+    for sample in range(len(items)):
         listed = list_sample(
-            *(sample, thickness[sample], items, first_sample, limits, keep_all, left),
-            *(kept, kept_items, weights, listed),
+            *(sample, thickness[np.uint32(places[sample])], items, limits, keep_all),
+            *(left, kept_items, weights, listed),
         )
     count[0] = listed
     return listed
 
 
 @vividc.kernel(
-    "int32(float32[::1], int32[::1], int32[::1], int32, int32, float32[::1], int32, float32[::1],"
-    " int32[::1], int32[::1], float32[::1], int32[::1])"
+    "int32(float32[::1], int32, float32, float32, int32[::1], int32, float32[::1], int32,"
+    " float32[::1], int32[::1], float32[::1], int32[::1])"
 )
-def transmittance_in_groups(
-    thickness, places, items, goes_on, first_sample, limits, keep_all, left, kept, kept_items,
-    weights, count,
-):  # fmt: skip
-    """As `transmittance`, of samples whose thickness is at `places`."""
+def transmittance_of_exponents(
+    x, first, most, step, items, goes_on, limits, keep_all, left, kept_items, weights, count
+):
+    """As `transmittance_in_groups`, of samples whose density is exp of `x`, of at most `most`, from
+    number `first` on.
+    """
     begin(left, goes_on)
     listed = np.int32(0)
-    for sample in range(len(thickness)):
+    for sample in range(len(items)):
+        thickness = math.exp(min(x[np.uint32(first + sample)], most)) * step
         listed = list_sample(
-            *(sample, thickness[np.uint32(places[sample])], items, first_sample, limits, keep_all),
-            *(left, kept, kept_items, weights, listed),
+            sample, thickness, items, limits, keep_all, left, kept_items, weights, listed
+        )
+    count[0] = listed
+    return listed
+
+
+@vividc.kernel(
+    "int32(uint32[::1], int32, float32, float32, int32[::1], int32, float32[::1], int32,"
+    " float32[::1], int32[::1], float32[::1], int32[::1])"
+)
+def transmittance_of_exponents_fp8(
+    x, first, most, step, items, goes_on, limits, keep_all, left, kept_items, weights, count
+):
+    """As `transmittance_of_exponents`, of the lower float16 of words."""
+    begin(left, goes_on)
+    listed = np.int32(0)
+    for sample in range(len(items)):
+        exponent = np.float32(lang.fp16_from_bits(x[np.uint32(first + sample)]))
+        thickness = math.exp(min(exponent, most)) * step
+        listed = list_sample(
+            sample, thickness, items, limits, keep_all, left, kept_items, weights, listed
+        )
+    count[0] = listed
+    return listed
+
+
+@vividc.kernel(
+    "int32(float32[:, ::1], float32, float32, int32[::1], int32, float32[::1], int32,"
+    " float32[::1], int32[::1], float32[::1], int32[::1])"
+)
+def transmittance_of_sums(
+    sums, shift, step, items, goes_on, limits, keep_all, left, kept_items, weights, count
+):
+    """As `transmittance_in_groups`, of samples whose density is log(1 + exp(x)), which is x where
+    that is large: x is `shift` and a number of each row of `sums`, the first of which is worked in.
+    """
+    begin(left, goes_on)
+    for k in range(sums.shape[0]):
+        for sample in range(len(items)):
+            sums[0, sample] = (shift if k == 0 else sums[0, sample]) + sums[k, sample]
+    listed = np.int32(0)
+    for sample in range(len(items)):
+        x = sums[0, sample]
+        small = math.log1p(math.exp(min(x, LARGE)))
+        thickness = (x if x > LARGE else small) * step
+        listed = list_sample(
+            sample, thickness, items, limits, keep_all, left, kept_items, weights, listed
         )
     count[0] = listed
     return listed
@@ -342,13 +380,13 @@ def begin_sums(left, goes_on, out):
 
 
 @numba.njit
-def add_colour(item, weight, colours, place, out):
+def add_colour(item, weight, colour, out):
     """Add what a sample emits to its ray's sums, which are read before one of them is written."""
     ray = ray_of(item)
     red, green, blue = out[ray, 0], out[ray, 1], out[ray, 2]
-    out[ray, 0] = red + weight * colours[place, 0]
-    out[ray, 1] = green + weight * colours[place, 1]
-    out[ray, 2] = blue + weight * colours[place, 2]
+    out[ray, 0] = red + weight * colour[0]
+    out[ray, 1] = green + weight * colour[1]
+    out[ray, 2] = blue + weight * colour[2]
 
 
 @numba.njit
@@ -363,26 +401,64 @@ def put_over_white(left, is_last, out):
 
 
 @vividc.kernel(
-    "void(float32[::1], int32[::1], float32[:, ::1], float32[::1], int32, int32, float32[:, ::1])"
+    "void(float32[::1], int32[::1], int32[::1], float32[:, ::1], float32[::1], int32, int32,"
+    " float32[:, ::1])"
 )
-def accumulate(weights, items, colours, left, goes_on, is_last, out):
-    """Emission along the rays of a block, front to back (Max 1995): r, g, b and transmittance.
+def accumulate_in_groups(weights, items, places, colours, left, goes_on, is_last, out):
+    """Emission along the rays of a block, front to back (Max 1995), of samples whose colours are at
+    `places`: r, g, b and transmittance.
 
     With `goes_on`, `out` holds the sums of the samples before; with `is_last` it is put over white.
     """
     begin_sums(left, goes_on, out)
     for sample in range(len(weights)):
-        add_colour(items[sample], weights[sample], colours, sample, out)
+        place = np.uint32(places[sample])
+        colour = (colours[place, 0], colours[place, 1], colours[place, 2])
+        add_colour(items[sample], weights[sample], colour, out)
+    put_over_white(left, is_last, out)
+
+
+@numba.njit
+def sigmoid(x):
+    return ONE / (ONE + math.exp(min(max(-x, -LARGEST), LARGEST)))
+
+
+@vividc.kernel(
+    "void(float32[::1], int32[::1], float32[:, :, ::1], int32, float32[::1], int32, int32,"
+    " float32[:, ::1])"
+)
+def accumulate_sigmoids(weights, items, x, first, left, goes_on, is_last, out):
+    """As `accumulate_in_groups`, of colours that are sigmoids of a network's first three outputs:
+    blocks of 16 samples [block, output, sample], the first of which is the first block's `first`.
+    """
+    begin_sums(left, goes_on, out)
+    for sample in range(len(weights)):
+        place = np.uint32(first + sample)
+        block, lane = place >> np.uint32(4), place & np.uint32(15)
+        colour = (
+            sigmoid(x[block, 0, lane]),
+            sigmoid(x[block, 1, lane]),
+            sigmoid(x[block, 2, lane]),
+        )
+        add_colour(items[sample], weights[sample], colour, out)
     put_over_white(left, is_last, out)
 
 
 @vividc.kernel(
-    "void(float32[::1], int32[::1], int32[::1], float32[:, ::1], float32[::1], int32, int32,"
+    "void(float32[::1], int32[::1], uint32[:, :, ::1], int32, float32[::1], int32, int32,"
     " float32[:, ::1])"
 )
-def accumulate_in_groups(weights, items, places, colours, left, goes_on, is_last, out):
-    """As `accumulate`, of samples whose colours are at `places`."""
+def accumulate_sigmoids_fp8(weights, items, x, first, left, goes_on, is_last, out):
+    """As `accumulate_sigmoids`, of words of two float16."""
     begin_sums(left, goes_on, out)
     for sample in range(len(weights)):
-        add_colour(items[sample], weights[sample], colours, np.uint32(places[sample]), out)
+        place = np.uint32(first + sample)
+        block, lane = place >> np.uint32(4), place & np.uint32(15)
+        word = x[block, 0, lane]
+        colour = (
+            sigmoid(np.float32(lang.fp16_from_bits(word))),
+            sigmoid(lang.dot_fp16(word, UPPER, ZERO)),
+            sigmoid(np.float32(lang.fp16_from_bits(x[block, 1, lane]))),
+        )
+        add_colour(items[sample], weights[sample], colour, out)
     put_over_white(left, is_last, out)

@@ -325,25 +325,6 @@ def factor_sums_fp16(
     return total
 
 
-@vividc.kernel("void(float32[:, :, ::1], float32, float32, float32[:, ::1])")
-def density(sums, shift, step, thickness):
-    """Optical thickness of a step: log(1 + exp(x + shift)), which is x + shift where that is large.
-
-    `sums` is by block of 16 samples, pair of factors and sample.
-    """
-    for block in range(thickness.shape[0]):
-        for i in range(16):
-            thickness[block, i] = shift
-        for k in range(sums.shape[1]):
-            for i in range(16):
-                thickness[block, i] += sums[block, k, i]
-    for block in range(thickness.shape[0]):
-        for i in range(16):
-            x = thickness[block, i]
-            small = math.log1p(math.exp(min(x, LARGE)))
-            thickness[block, i] = (x if x > LARGE else small) * step
-
-
 @njit
 def word(a, b, c, d, scale):
     """Four numbers, times `scale`, as float8."""

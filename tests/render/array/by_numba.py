@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from vividc import KernelFunction
 from vividc.gemm.packed import packed
-from vividc.render.array import Device
-from vividc.render.array.device.blocks import in_blocks
+from vividc.render.array import ArrayField, Device
 from vividc.render.array.device.launch import Gathered, Launch, Move
 from vividc.render.array.device.launches import Phase
 from vividc.render.array.device.programs import kernel_folder, kernel_module
+from vividc.render.array.march.light import light_along, picture_of
+from vividc.render.array.pieces import RAYS, Piece, Rays, pieces_of
+from vividc.render.array.records import Kept
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.radiance import March
+
+PIECE = 50
+"""Samples of a piece: others than the first begin within a block of 16."""
 
 
 class _Kernels:
@@ -115,32 +120,57 @@ def _rows(array: np.ndarray | Gathered) -> np.ndarray:
     return array.table[array.indices] if isinstance(array, Gathered) else array
 
 
-@dataclass
-class HostKept:
-    """One piece of samples that survive, with what fields ask for: `records.Kept`."""
+@dataclass(frozen=True)
+class GivenPoints:
+    """Stands for `records.Listed` of pieces of at most 50 samples, each of another ray."""
 
     where: Float32Array
-    computed: np.ndarray
-    rays: Int32Array
-    directions: Float32Array
+    pieces: Sequence[Piece]
 
-    @property
-    def lengths(self) -> list[int]:
-        return [len(self.where)]
+    def points(self) -> Float32Array:
+        return self.where
+
+
+@dataclass(frozen=True)
+class GivenKept(Kept):
+    """`records.Kept` of points that no rays lead to."""
+
+    where: Float32Array
 
     def located(self) -> tuple[Float32Array, Int32Array]:
-        return self.where, self.rays
+        parts = [piece.first_ray + (piece.items >> 16 & RAYS - 1) for piece in self.pieces]
+        return self.where, np.concatenate(parts).astype(np.int32)
 
-    def features(self) -> np.ndarray:
-        return self.computed
 
-    def in_blocks(
-        self, kernel: str, of_rays: np.ndarray, words: int, scalars: Mapping[str, np.float32]
-    ) -> np.ndarray:
-        own = as_float8(self.computed, scalars["scale"])[: len(self.where)]
-        rows = np.concatenate((of_rays[self.rays], own), axis=1)
-        assert rows.shape[1] == words
-        return np.ascontiguousarray(in_blocks(rows).transpose(0, 2, 1))
+def shown(
+    device: Device,
+    field: ArrayField,
+    points: Float32Array,
+    directions: Float32Array,
+    least: float = -1,
+) -> tuple[Float32Array, Float32Array]:
+    """Return alpha [n] and r, g, b [n, 3] of points that are seen along directions; 0 of those with
+    an alpha of at most `least`.
+    """
+    firsts = range(0, len(points), PIECE)
+    items = [
+        np.arange(len(points[first : first + PIECE]), dtype=np.int32) << 16 for first in firsts
+    ]
+    pieces = list(pieces_of([[some] for some in items], PIECE))
+    own = np.concatenate([np.arange(len(piece)) + piece.first_ray for piece in pieces])
+    seen = np.zeros((len(pieces) * RAYS, 3), np.float32)
+    seen[own] = directions
+    found = field.densities(GivenPoints(points, pieces))  # type: ignore[arg-type]
+    limits, left = np.array([0, least], np.float32), np.ones(len(seen), np.float32)
+    survivors = light_along(device, pieces, found, limits, left, keep_all=False)
+    rays = Rays(seen, left, np.zeros(len(seen), np.uint32))
+    numbers = np.concatenate([one.places.start + (one.items.view("u4") >> 22) for one in survivors])
+    kept = GivenKept(device, left, rays, survivors, points[numbers])
+    alpha = np.zeros(len(points), np.float32)
+    alpha[numbers] = np.concatenate([one.weights for one in survivors])
+    whole = [replace(one, weights=np.ones_like(one.weights)) for one in survivors]
+    rgb = picture_of(device, whole, field.colours(kept), np.zeros_like(left))[own, :3]
+    return alpha, rgb
 
 
 def as_float8(blocks: np.ndarray, scale: np.float32) -> np.ndarray:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from vividc.errors import ArgumentError
 from vividc.render import SceneError, psnr, read_scene, read_views, render_reference, scaled_camera
 from vividc.render.array import ArrayOptions, RenderPrecision, open_device, render_array
 from vividc.render.array.device.programs import kernel_folder, kernel_module
+from vividc.render.array.march.light import light_along, picture_of
 from vividc.render.array.models.grouping import Grouping, parts_of, runs_of
 from vividc.render.array.models.kilonerf import KiloNeRFField
 from vividc.render.array.models.kilonerf_fp32 import by_coordinate
@@ -164,8 +164,7 @@ def _survivors(pieces: list[Piece], chosen: np.ndarray) -> list[Survivors]:
     items = [p.items[w] | (w << 22).view(np.int32) for p, w in zip(pieces, within, strict=True)]
     counts = [len(some) for some in items]
     every = np.concatenate([np.pad(some, (0, RAYS - len(some))) for some in items])
-    none = np.zeros(len(every), np.int32)
-    return list(survivors_of(pieces, counts, every, none, none.astype(np.float32)))
+    return list(survivors_of(pieces, counts, every, np.ones(len(every), np.float32)))
 
 
 @pytest.mark.slow  # numba takes its time for the networks
@@ -178,27 +177,22 @@ def test_fields_are_near_the_reference(model: KiloNeRF, precision: RenderPrecisi
     host = Host()
     field = KiloNeRFField(model, host, precision)
     found = field.densities(Listed(host, geometry, rays, pieces))
-    assert found.places is not None
-    thickness = found.thickness[_in_batch(found.places, pieces)]
-    exact, exact_features = model.density(points, linear)
+    limits, left = np.array([0, -1], np.float32), np.ones_like(rays.entries)
+    listed = light_along(host, pieces, found, limits, left, keep_all=True)
+    alpha = np.concatenate([piece.weights for piece in listed])
+    thickness, exact_features = model.density(points, linear)
     seen = rays.directions[: len(points)]
     truth = model.colour(points, exact_features, seen, linear)
     bound = 1e-4 if precision == "fp32" else 0.3
-    assert np.abs(np.exp(-thickness) - np.exp(-exact)).mean() < bound / 4
+    assert np.abs(1 - alpha - np.exp(-thickness)).mean() < bound / 4
     colours = []
     for chosen in (np.arange(500), np.sort(np.random.default_rng(9).choice(500, 100, False))):
         some = _survivors(pieces, chosen)
-        rgb = field.colours(Kept(host, geometry, rays, some, found.features, True))
-        assert rgb.places is not None
-        colours.append(np.concatenate(rgb.of_pieces)[_in_batch(rgb.places, some)])
+        rgb = field.colours(Kept(host, geometry, rays, some))
+        colours.append(picture_of(host, some, rgb, np.zeros_like(left))[chosen, :3])
         assert np.abs(colours[-1] - truth[chosen]).mean() < bound / 4
         assert np.abs(colours[-1] - truth[chosen]).max() < bound
         np.testing.assert_array_equal(colours[-1], colours[0][chosen])
-
-
-def _in_batch(places: np.ndarray, pieces: Sequence[Piece]) -> np.ndarray:
-    """Places among all samples."""
-    return np.concatenate([piece.first + places[piece.samples] for piece in pieces])
 
 
 @pytest.mark.slow

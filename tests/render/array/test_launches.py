@@ -91,14 +91,19 @@ def test_sums_are_carried_on_and_leave_after_the_last_launch(device: Device) -> 
             np.add.at(expected[block, :, :3], rays, weights[:, None] * colours)
             launches.append(
                 Launch(
-                    inputs={"weights": weights, "items": rays << 16, "colours": colours},
+                    inputs={
+                        "weights": weights,
+                        "items": rays << 16,
+                        "places": np.arange(count, dtype=np.int32),
+                        "colours": colours,
+                    },
                     shared={"left": light},
                     carried={"out": sums},
                     scalars={"goes_on": int(part > 0), "is_last": int(part == parts - 1)},
                 )
             )
     expected[:, :, :3] += left[:, :, None]
-    device.run("test", "render/marching:accumulate", launches)
+    device.run("test", "render/marching:accumulate_in_groups", launches)
     np.testing.assert_allclose(out, expected, rtol=1e-5)
     moved = device.ledger.stages["test"].stats[0]["bytes"]
     assert moved["scratchpad_out"] == out.nbytes
@@ -116,6 +121,7 @@ def test_as_many_rows_leave_as_a_launch_counts(device: Device) -> None:
                 shapes={"count": (1,)},
                 inputs={
                     "thickness": has_weight.astype(np.float32),
+                    "places": np.arange(count, dtype=np.int32),
                     "items": np.arange(count, dtype=np.int32) << 16,
                 },
                 outputs={
@@ -124,13 +130,12 @@ def test_as_many_rows_leave_as_a_launch_counts(device: Device) -> None:
                 },
                 shared={"limits": np.array([1e-4, 1e-4], np.float32)},
                 carried={"left": np.zeros(64, np.float32)},
-                work={"kept": (count,)},
-                scalars={"goes_on": 0, "first_sample": 0, "keep_all": 0},
+                scalars={"goes_on": 0, "keep_all": 0},
                 counted={"kept_items": "count", "weights": "count"},
             )
         )
         counts.append(int(has_weight.sum()))
-    assert device.run("test", "render/marching:transmittance", launches) == counts
+    assert device.run("test", "render/marching:transmittance_in_groups", launches) == counts
     for one, count in zip(launches, counts, strict=True):
         weights, items = one.outputs["weights"], one.outputs["kept_items"]
         np.testing.assert_allclose(weights[:count], 1 - np.exp(-1), rtol=1e-6)

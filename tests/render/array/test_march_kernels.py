@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 
@@ -120,63 +118,3 @@ def test_rays_outside_the_picture_and_along_a_face() -> None:
     np.testing.assert_allclose(marched.points[0], (0, 0, -0.125), atol=1e-6)
     np.testing.assert_allclose(marched.points[-1], (0, 0, -0.875), atol=1e-6)
     assert not marched.directions[2:].any()
-
-
-@pytest.mark.parametrize("width", [1, 2, 4])
-def test_rows_that_survive_are_copied(width: int) -> None:
-    rows = np.random.default_rng(width).integers(0, 1 << 32, (50, width), dtype=np.uint32)
-    places = np.array([0, 3, 4, 49], np.uint32)
-    items = (places << np.uint32(22) | np.uint32(63 << 16 | 999)).view(np.int32)
-    out = np.zeros(4 * width, np.uint32)
-    KERNELS.keep_rows(rows.ravel(), items, width.bit_length() - 1, out)
-    np.testing.assert_array_equal(out.reshape(4, width), rows[places])
-
-
-@pytest.mark.parametrize("grouped", [False, True])
-def test_pieces_give_what_the_whole_gives(grouped: bool) -> None:
-    """Light and colour of a block's samples, in one launch and in three; and of samples that lie
-    in another order in each.
-    """
-    rng = np.random.default_rng(3)
-    march, camera = dense_march(3), Camera(np.eye(4, dtype=np.float32), 20.0, 8, 8)
-    items = Marched(march, camera).items
-    thickness = rng.exponential(0.1, len(items)).astype(np.float32)
-    colours = rng.random((len(items), 3)).astype(np.float32)
-    limits = np.array([1e-4, 1e-3], np.float32)
-    results = []
-    items, thickness, colours = items[:1000], thickness[:1000], colours[:1000]
-    for cuts in ([], [100, 700]):
-        left, out, kept = np.zeros(64, np.float32), np.zeros((64, 4), np.float32), []
-        bounds = [0, *cuts, len(items)]
-        for first, last in pairwise(bounds):
-            count = last - first
-            numbers, chosen = np.zeros((2, count), np.int32)
-            weights, counted = np.zeros(count, np.float32), np.zeros(1, np.int32)
-            there, order = thickness[first:last], rng.permutation(count).astype(np.int32)
-            rest = (items[first:last], int(first > 0), first, limits, 0)
-            if grouped:
-                mixed = np.empty_like(there)
-                mixed[order] = there
-                kernel, given = KERNELS.transmittance_in_groups, (mixed, order, *rest)
-            else:
-                kernel, given = KERNELS.transmittance, (there, *rest)
-            listed = kernel(*given, left, numbers, chosen, weights, counted)
-            assert counted[0] == listed
-            places = chosen[:listed].view(np.uint32) >> 22
-            np.testing.assert_array_equal(places, numbers[:listed] - first)
-            kept.append((numbers[:listed], chosen[:listed], weights[:listed]))
-        for number, (numbers, chosen, weights) in enumerate(kept):
-            rest = (left, int(number > 0), int(number == len(kept) - 1), out)
-            order = rng.permutation(len(numbers)).astype(np.int32)
-            if grouped:
-                mixed = np.empty((len(numbers), 3), np.float32)
-                mixed[order] = colours[numbers]
-                KERNELS.accumulate_in_groups(weights, chosen, order, mixed, *rest)
-            else:
-                KERNELS.accumulate(weights, chosen, colours[numbers], *rest)
-        numbers, chosen, weights = map(np.concatenate, zip(*kept, strict=True))
-        np.testing.assert_array_equal(chosen & 0x3FFFFF, items[numbers])
-        results.append((numbers, weights, left, out))
-    assert 0 < len(results[0][0]) < len(items)
-    for whole, cut in zip(*results, strict=True):
-        np.testing.assert_array_equal(whole, cut)

@@ -4,6 +4,7 @@ numba's for its kernels.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,8 +16,9 @@ from vividc.render import Camera, SceneError, psnr, read_scene, read_views, scal
 from vividc.render.array import ArrayOptions, Device, Ledger
 from vividc.render.array.march.batches import render_blocks
 from vividc.render.array.march.depths import block_corners
-from vividc.render.array.models.field import PointField
-from vividc.render.array.pieces import SIDE
+from vividc.render.array.models.field import ArrayField
+from vividc.render.array.pieces import SIDE, Piece
+from vividc.render.array.records import Kept, Listed, Results, of_samples
 from vividc.render.array.sampling import expected_samples, pixels_of, sampled
 from vividc.render.radiance import (
     KiloNeRF,
@@ -32,7 +34,7 @@ from vividc.render.splat.blend_reference import over_background
 MIC = Path(__file__).parents[3] / "scenes" / "mic"
 
 
-class HostField(PointField):
+class HostField(ArrayField):
     """A reference model as an `ArrayField`."""
 
     def __init__(self, model: RadianceField, march: March | None = None) -> None:
@@ -40,33 +42,22 @@ class HostField(PointField):
         self.model = model
         self.march = march or model.march
 
-    def density(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        thickness, features = self.model.density(points, linear)
-        return thickness, np.ascontiguousarray(features)
+    def densities(self, listed: Listed) -> Results:
+        thickness, _ = self.model.density(listed.points(), linear)
+        reads = {"thickness": of_samples(thickness), "places": of_samples(order(listed.pieces))}
+        return Results("transmittance_in_groups", reads)
 
-    def colour(
-        self, features: np.ndarray, points: np.ndarray, directions: np.ndarray
-    ) -> np.ndarray:
-        return self.model.colour(points, features, directions, linear)
-
-    def _density(self, *arrays: np.ndarray) -> None:
-        """Of batches, which it has none of."""
-
-    _colour = _density
+    def colours(self, kept: Kept) -> Results:
+        points, rays = kept.located()
+        _, features = self.model.density(points, linear)
+        rgb = self.model.colour(points, features, kept.directions[rays], linear)
+        reads = {"colours": of_samples(rgb), "places": of_samples(order(kept.pieces))}
+        return Results("accumulate_in_groups", reads)
 
 
-class NarrowField(HostField):
-    """Its features are two words of each point."""
-
-    def density(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        thickness, _ = super().density(points)
-        return thickness, np.ascontiguousarray(points[:, :2])
-
-    def colour(
-        self, features: np.ndarray, points: np.ndarray, directions: np.ndarray
-    ) -> np.ndarray:
-        np.testing.assert_array_equal(features, points[:, :2])
-        return np.abs(points)
+def order(pieces: Sequence[Piece]) -> np.ndarray:
+    """Each piece's samples one after the other."""
+    return np.concatenate([np.arange(len(piece), dtype=np.int32) for piece in pieces])
 
 
 @pytest.fixture
@@ -130,24 +121,15 @@ def test_colours_of_little_weight_are_left_out_as_the_reference_does(
     assert on.counts["colour_samples"] < 0.7 * every.counts["colour_samples"]
 
 
-def test_narrow_features_stay_with_their_samples(
-    host: Host, model: KiloNeRF, camera: Camera
-) -> None:
-    image, on = rendered(host, NarrowField(model), camera)
-    late, off = rendered(host, NarrowField(model), camera, lookahead=False)
-    np.testing.assert_array_equal(image, late)
-    assert on.counts["colour_samples"] < off.counts["colour_samples"]
-
-
 class FailingField(HostField):
     """It fails in its first batch."""
 
     fails = True
 
-    def density(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def densities(self, listed: Listed) -> Results:
         if self.fails:
             raise SceneError("no density")
-        return super().density(points)
+        return super().densities(listed)
 
 
 def test_what_a_failed_frame_booked_is_in_no_other(

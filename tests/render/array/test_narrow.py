@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.render.array.by_numba import Host, HostKept, samples_of
+from tests.render.array.by_numba import Host, samples_of, shown
 from vividc.formats import E4M3, F16, FORMATS, Format, round_array, to_floats
 from vividc.gemm import Layer
 from vividc.gemm.packed import packed
@@ -133,23 +133,19 @@ def test_narrow_fields_are_near_the_reference(
 ) -> None:
     """Whether kernels round themselves or not; and a sample does not depend on the others."""
     model = read_scene(MIC / file)[1]
-    points, directions = samples_of(model.march, 200)
+    given = samples_of(model.march, 200)
     field = make(model, host, precision)
-    thickness, features = field.density(points)
-    exact, exact_features = model.density(points, linear)
-    rays = np.arange(200, dtype=np.int32)
-    (colour,) = field.colours(HostKept(points, features, rays, directions)).of_pieces
-    truth = model.colour(points, exact_features, directions, linear)
+    alpha, colour = shown(host, field, *given)
+    thickness, features = model.density(given[0], linear)
+    truth = model.colour(given[0], features, given[1], linear)
     bound = {"fp16": 2e-3, "fp8": 0.12}[precision]
     assert np.abs(colour - truth).mean() < bound / 4
     assert np.abs(colour - truth).max() < bound
-    np.testing.assert_allclose(thickness, exact, rtol=8 * bound, atol=1e-4)
-    some = np.arange(3, 200, 7)
-    fewer, fewer_features = field.density(points[some])
-    np.testing.assert_array_equal(fewer, thickness[some])
-    less = HostKept(points[some], fewer_features, rays[some], directions)
-    (part,) = field.colours(less).of_pieces
-    np.testing.assert_array_equal(part, colour[some])
+    np.testing.assert_allclose(alpha, 1 - np.exp(-thickness), rtol=8 * bound, atol=1e-4)
+    least = float(np.median(alpha))
+    fewer, part = shown(host, field, *given, least)
+    np.testing.assert_array_equal(fewer, np.where(alpha > least, alpha, 0))
+    np.testing.assert_array_equal(part, np.where(alpha[:, None] > least, colour, 0))
 
 
 def test_features_that_fill_no_words_are_filled_up(host: Host) -> None:
@@ -162,10 +158,7 @@ def test_features_that_fill_no_words_are_filled_up(host: Host) -> None:
     )
     points, directions = samples_of(odd.march, 40)
     exact = odd.colour(points, odd.density(points, linear)[1], directions, linear)
-    field = InstantNGPField(odd, host, "fp8")
-    rays = np.arange(40, dtype=np.int32)
-    kept = HostKept(points, field.density(points)[1], rays, directions)
-    (found,) = field.colours(kept).of_pieces
+    _, found = shown(host, InstantNGPField(odd, host, "fp8"), points, directions)
     assert np.abs(found - exact).max() < 0.12
 
 

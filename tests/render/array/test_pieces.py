@@ -24,7 +24,7 @@ def test_pieces_are_no_longer_than_asked_for_and_in_order() -> None:
 def test_survivors_are_at_the_head_of_their_pieces_places() -> None:
     items = np.arange(14, dtype=np.int32)
     pieces = list(pieces_of([[items[:5]], [items[5:]]], 9))
-    survivors = list(survivors_of(pieces, [2, 4], items, 10 * items, items.astype(np.float32)))
-    assert [list(one.numbers) for one in survivors] == [[0, 10], [50, 60, 70, 80]]
+    survivors = list(survivors_of(pieces, [2, 4], items, 10 * items.astype(np.float32)))
+    assert [list(one.weights) for one in survivors] == [[0, 10], [50, 60, 70, 80]]
     assert [one.samples for one in survivors] == [slice(0, 2), slice(2, 6)]
     assert [one.places for one in survivors] == [slice(0, 5), slice(5, 14)]

@@ -26,11 +26,10 @@ def test_words_of_rays_and_outputs_of_survivors_in_blocks(width: int) -> None:
         places = np.sort(rng.choice(size, count, replace=False)).astype(np.uint32)
         rays = rng.integers(0, RAYS, count, dtype=np.uint32)
         items = (places << 22 | rays << 16 | 77).view(np.int32)
-        none = np.zeros(count, np.int32)
         pieces.append(
             Survivors(
                 *(number, number * RAYS, 0, True, samples, items),
-                *(slice(first, first + size), none, none.astype(np.float32)),
+                *(slice(first, first + size), np.zeros(count, np.float32)),
             )
         )
         whole = np.concatenate((of_rays[number * RAYS + rays], rows[first + places]), axis=1)
@@ -39,8 +38,8 @@ def test_words_of_rays_and_outputs_of_survivors_in_blocks(width: int) -> None:
         first, samples = first + size, samples + count
     table = np.zeros((len(of_rays), 3), np.float32)
     rays_of_batch = Rays(table, table[:, 0], np.zeros(len(table), np.uint32))
-    given = (np.zeros(16, np.float32), rays_of_batch, pieces, blocks, True)
-    kept = Kept(Host(), *given)
-    assert kept.lengths == list(counts)
-    found = kept.in_blocks(KERNEL, of_rays, 4 + width // 2, {"scale": scale})
+    kept = Kept(Host(), np.zeros(16, np.float32), rays_of_batch, pieces)
+    assert [some.stop - some.start for some in kept.blocks] == [32, 0, 1, 1]
+    found = np.zeros((34, 4 + width // 2, 16), np.uint32)
+    kept.fill_blocks(KERNEL, blocks, of_rays, found, {"scale": scale})
     np.testing.assert_array_equal(found, np.concatenate(expected))

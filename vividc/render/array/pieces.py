@@ -84,14 +84,11 @@ class Survivors(Piece):
     ----------
     places
         Which of all samples the piece's are.
-    numbers
-        [n] int32 among all samples; zeros where nobody asked for them.
     weights
         [n] float32, 0 where a colour does not count.
     """
 
     places: slice
-    numbers: Int32Array
     weights: Float32Array
 
 
@@ -116,7 +113,6 @@ def survivors_of(
     pieces: Sequence[Piece],
     counts: Sequence[int],
     items: Int32Array,
-    numbers: Int32Array,
     weights: Float32Array,
 ) -> Iterator[Survivors]:
     """Yield the survivors of each piece, which are at the head of its places in the arrays."""
@@ -125,6 +121,6 @@ def survivors_of(
         head = slice(piece.first, piece.first + count)
         yield Survivors(
             *(piece.number, piece.first_ray, piece.turn, piece.is_last, first),
-            *(items[head], piece.samples, numbers[head], weights[head]),
+            *(items[head], piece.samples, weights[head]),
         )
         first += count

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import accumulate, pairwise
+from math import prod
 from typing import Any, Final, TypeAlias, TypeVar
 
 import numpy as np
@@ -12,10 +13,9 @@ import numpy.typing as npt
 
 from vividc.render.array.device.blocks import BLOCK
 from vividc.render.array.device.device import Device
-from vividc.render.array.device.gather import gather_rows
 from vividc.render.array.device.launch import Launch, Words
 from vividc.render.array.pieces import RAYS, Piece, Rays, Survivors, total
-from vividc.render.array.steering import COPIED_WORDS, LAUNCH_SAMPLES
+from vividc.render.array.steering import LAUNCH_SAMPLES
 from vividc.render.arrays import Float32Array, Int32Array
 
 SomePiece = TypeVar("SomePiece", bound=Piece)
@@ -23,18 +23,13 @@ Column: TypeAlias = Callable[[Any], Words]
 """What an array has of a piece: `of_rays` and so on, `items` or `weights`."""
 Columns: TypeAlias = Mapping[str, Column | None]
 """By parameter; None: it is not there."""
-Features: TypeAlias = npt.NDArray[np.float32 | np.uint32]
-"""[n, F] words of four bytes: numbers, or what a field packs into them."""
 UInt32Array: TypeAlias = npt.NDArray[np.uint32]
 
 MARCHING: Final = "render/marching"
 """File of the kernels."""
-_RAY_WORDS: Final = 4
 _ARRAYS: Final = 4
 """Of a kernel that makes blocks."""
 _COMPACTION: Final = "compaction"
-_ROWS: Final = 2
-"""Dimensions of features that are not in blocks."""
 
 
 def items(piece: Piece) -> Words:
@@ -65,6 +60,16 @@ def of_all(array: Words) -> Column:
 def of_pieces(arrays: Words | Sequence[Words]) -> Column:
     """Return what each piece has one of."""
     return lambda piece: arrays[piece.number]
+
+
+def blocks_of_samples(array: Words) -> Column:
+    """Return the blocks of 16 samples that the pieces' are in, from `place_in_block` on."""
+    return lambda piece: array[piece.first // BLOCK : -(-piece.samples.stop // BLOCK)]
+
+
+def place_in_block(piece: Piece) -> dict[str, int]:
+    """Return the scalar that says which of its first block's samples is a piece's first."""
+    return {"first": piece.first % BLOCK}
 
 
 def of_blocks(array: Words) -> Column:
@@ -140,30 +145,29 @@ def _of(piece: Piece, columns: Columns) -> dict[str, Words]:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Densities:
-    """What samples have.
+class Results:
+    """What a field has of samples, and the kernel that makes light or colours of it.
 
     Attributes
     ----------
-    thickness, features
-        [n] optical thickness of one step, and [n, F] or blocks of 16 samples [B, F, 16]; both are
-        C-contiguous. What features mean is the field's own affair, `Kept.features` gives rows of
-        them.
-    places
-        [n] where each sample's are, counted from its piece's first; None: in the samples' order.
+    kernel
+        Of kernels/render/marching.py.
+    reads, scalars
+        As of `Fields`, beside what the kernels take of all fields.
     """
 
-    thickness: Float32Array
-    features: Features
-    places: Int32Array | None = None
+    kernel: str
+    reads: Columns
+    scalars: Callable[[Any], Mapping[str, object]] = lambda _: {}
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Colours:
-    """r, g, b [n, 3] of each piece's samples, and `places` as of `Densities`."""
-
-    of_pieces: Sequence[Float32Array]
-    places: Int32Array | None = None
+    def run(self, device: Device, stage: str, pieces: Iterable[Piece], fields: Fields) -> list[int]:
+        """Run the kernel once a piece, with all other fields."""
+        every = replace(
+            fields,
+            reads={**self.reads, **fields.reads},
+            scalars=lambda piece: {**self.scalars(piece), **fields.scalars(piece)},
+        )
+        return every.run(device, stage, f"{MARCHING}:{self.kernel}", pieces)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -218,15 +222,9 @@ class Kept(Listed):
     ----------
     pieces
         Some have no samples.
-    computed
-        Features of all samples, as of `Densities`.
-    lookahead
-        Whether some of the samples are left out.
     """
 
     pieces: Sequence[Survivors]
-    computed: Features
-    lookahead: bool
 
     @property
     def directions(self) -> Float32Array:
@@ -234,9 +232,10 @@ class Kept(Listed):
         return self.rays.directions
 
     @property
-    def lengths(self) -> list[int]:
-        """How many samples each piece has."""
-        return list(map(len, self.pieces))
+    def blocks(self) -> list[slice]:
+        """Which blocks each piece's samples fill, those of all pieces one after the other."""
+        ends = accumulate((-(-len(piece) // BLOCK) for piece in self.pieces), initial=0)
+        return [slice(first, last) for first, last in pairwise(ends)]
 
     def located(self) -> tuple[Float32Array, Int32Array]:
         """Return their places [n, 3] and rays [n]; those in a row lie near each other."""
@@ -245,73 +244,51 @@ class Kept(Listed):
         self._locate(_COMPACTION, {"points": of_samples(points), "rays": of_samples(rays)})
         return points, rays
 
-    def features(self) -> Features:
-        """Return their features [n, F], as `densities` returned them."""
-        computed, count = self.computed, total(self.pieces)
-        width = computed.shape[1]
-        if not self.lookahead or not width:
-            return computed[:count]
-        if not is_narrow(computed):
-            rows = [piece.numbers for piece in self.pieces]
-            return gather_rows(self.device, _COMPACTION, computed, rows)
-        kept = np.zeros((count, width), dtype=np.uint32)
-        words, out = of_all(computed.view(np.uint32)), of_samples(kept)
-        fields = Fields(
-            reads={"rows": lambda piece: words(piece).reshape(-1), "items": items},
-            writes={"out": lambda piece: out(piece).reshape(-1)},
-            scalars=lambda _: {"shift": width.bit_length() - 1},
-        )
-        fields.run(self.device, _COMPACTION, f"{MARCHING}:keep_rows", filled(self.pieces))
-        return kept.view(computed.dtype)
-
-    def in_blocks(
-        self, kernel: str, of_rays: UInt32Array, words: int, scalars: Mapping[str, object]
-    ) -> UInt32Array:
-        """Return what a kernel makes of words [R, 4] of their rays and of blocks of features,
-        [B, words, 16] uint32: of each piece as many blocks as it takes, and the last one filled up
-        with its last sample. Launches of a piece share its features.
+    def fill_blocks(
+        self,
+        kernel: str,
+        outputs: Words,
+        of_rays: Words,
+        out: Words,
+        scalars: Mapping[str, object],
+    ) -> None:
+        """Fill the pieces' `blocks` in `out`, [B, words, 16], with what a kernel makes of words of
+        their rays and of a network's outputs, the last block of each with its last sample. Launches
+        of a piece share its outputs.
 
         Parameters
         ----------
         kernel
-            Gets `outputs`, [m, F, 16] blocks as words in which samples of a piece are, `first`,
-            which of the first block's samples is the piece's first, `of_rays`, [64, 4] of its
-            rays, `items`, as in kernels/render/marching.py, the scalars, and `out`.
+            Gets `outputs`, blocks in which samples of a piece are, `first`, which of the first
+            block's samples is the piece's first, `of_rays`, [64, ...] of its rays, `items`, as in
+            kernels/render/marching.py, the scalars, and `out`.
+        outputs
+            Of all samples, [B, outputs, 16].
+        of_rays
+            Of all rays, [R, ...].
         """
-        computed = self.computed.view(np.uint32)
-        ends = accumulate((-(-length // BLOCK) for length in self.lengths), initial=0)
-        *_, (_, count) = places = list(pairwise(ends))
-        out = np.zeros((count, words, BLOCK), dtype=np.uint32)
-        at_once = self._blocks_at_once(computed.shape[1], words)
+        at_once = self._blocks_at_once(*(prod(one.shape[1:]) for one in (outputs, of_rays, out)))
         launches = []
-        for piece, (first, last) in zip(self.pieces, places, strict=True):
+        for piece, blocks in zip(self.pieces, self.blocks, strict=True):
             before, behind = piece.places.start, piece.places.stop
-            blocks = computed[before // BLOCK : -(-behind // BLOCK)]
-            shared = {"outputs": blocks, "of_rays": of_rays[piece.rays]}
+            some = outputs[before // BLOCK : -(-behind // BLOCK)]
+            shared = {"outputs": some, "of_rays": of_rays[piece.rays]}
             given = {"first": before % BLOCK, **scalars}
-            for start in range(first, last, at_once):
-                end = min(start + at_once, last)
-                some = piece.items[BLOCK * (start - first) : BLOCK * (end - first)]
-                made, cost = out[start:end], len(some) + LAUNCH_SAMPLES
+            for start in range(blocks.start, blocks.stop, at_once):
+                end = min(start + at_once, blocks.stop)
+                first = BLOCK * (start - blocks.start)
+                listed = {"items": piece.items[first : first + BLOCK * (end - start)]}
+                made, cost = {"out": out[start:end]}, len(listed["items"]) + LAUNCH_SAMPLES
                 launches.append(
-                    Launch({}, {"items": some}, {"out": made}, shared, scalars=given, cost=cost)
+                    Launch(inputs=listed, outputs=made, shared=shared, scalars=given, cost=cost)
                 )
         self.device.run(_COMPACTION, kernel, launches)
-        return out
 
-    def _blocks_at_once(self, width: int, words: int) -> int:
-        """Return how many blocks fit twice beside the features of two pieces."""
+    def _blocks_at_once(self, outputs: int, of_ray: int, made: int) -> int:
+        """Return how many blocks fit twice beside the outputs of two pieces, or of one, each of so
+        many words of a block of outputs, of a ray, and of a block that is made.
+        """
         most = max(piece.places.stop - piece.places.start for piece in self.pieces)
-        held = width * (most + 2 * BLOCK) + _RAY_WORDS * RAYS
-        return max(1, self.device.fitting(BLOCK * (1 + words), 2 * held, _ARRAYS))
-
-
-def asks_for_numbers(features: Features) -> bool:
-    """Whether the survivors' numbers are needed for theirs: DMA gathers their rows."""
-    return features.ndim == _ROWS and not is_narrow(features)
-
-
-def is_narrow(features: Features) -> bool:
-    """Whether a kernel copies the rows of the survivors."""
-    width: int = features.shape[1]
-    return width <= COPIED_WORDS and width & (width - 1) == 0
+        held = outputs // BLOCK * (most + 2 * BLOCK) + of_ray * RAYS
+        fitting = (self.device.fitting(BLOCK + made, n * held, _ARRAYS) for n in (2, 1))
+        return max(1, next(filter(None, fitting), 1))

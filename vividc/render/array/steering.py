@@ -26,10 +26,6 @@ LAUNCH_SAMPLES: Final = 40
 """What a launch over a piece costs, in samples, when launches are dealt out. KiloNeRF: with 64
 transmittance takes 1.7 % more.
 """
-COPIED_WORDS: Final = 4
-"""Rows of survivors that a kernel copies are as wide at most: DMA reads each row that it gathers in
-granules of 32 bytes.
-"""
 GATHERED_ROWS: Final = 128
 """Of a launch that gathers rows by DMA, at most."""
 LAUNCHES_OF_BLOCKS: Final = 4

@@ -16,7 +16,6 @@ from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.launch import Launch, Words
 from vividc.render.array.steering import LAUNCHES_OF_BLOCKS
-from vividc.render.arrays import Float32Array
 
 BLOCK: Final = 16
 """Rows of a block."""
@@ -30,11 +29,6 @@ def in_blocks(rows: npt.NDArray[Word]) -> npt.NDArray[Word]:
     if missing:
         rows = np.concatenate((rows, np.repeat(rows[-1:], missing, axis=0)))
     return np.ascontiguousarray(rows).reshape(len(rows) // BLOCK, BLOCK, rows.shape[1])
-
-
-def room_for(rows: int, *shape: int) -> Float32Array:
-    """Return room [B, 16, ...] for what becomes of rows."""
-    return np.empty((-(-rows // BLOCK), BLOCK, *shape), dtype=np.float32)
 
 
 def batches(most: int, *arrays: npt.NDArray[Any]) -> Iterator[tuple[slice, list[npt.NDArray[Any]]]]:

@@ -25,11 +25,8 @@ _OPTIONS: Final[dict[str, Options]] = {
     "render/marching:camera_rays": _QUICKLY,
     "render/hash_grid": _AS_WRITTEN,
     "render/instant_ngp": _QUICKLY,
-    "render/instant_ngp:colour": {},
-    "render/instant_ngp:colour_fp8": {},
     "render/instant_ngp:colour_inputs_fp8": {},
     "render/tensor_factors": _AS_WRITTEN,
-    "render/tensor_factors:density": _QUICKLY,
     "render/tensor_factors:colour_inputs": {},
     "render/tensor_factors:colour_inputs_fp8": {},
     "render/kilonerf": _AS_WRITTEN,
@@ -57,13 +54,14 @@ Wanted = tuple[str, Options]
 METHODS: Final = ("3dgs", "kilonerf", "instant-ngp", "tensorf")
 
 _MARCHED: Final = ("marching:camera_rays", "block_depths:block_depths", "marching:march_rays")
-_FILTERED: Final = ("marching:sample_points", "marching:transmittance", "marching:accumulate")
-_GROUPED: Final = (
-    "kilonerf:group_samples",
-    "kilonerf:group_survivors",
-    "marching:transmittance_in_groups",
-    "marching:accumulate_in_groups",
-)
+_OF_ALL_FORMATS: Final = {
+    "kilonerf": (
+        *("kilonerf:group_samples", "kilonerf:group_survivors"),
+        *("marching:transmittance_in_groups", "marching:accumulate_in_groups"),
+    ),
+    "instant-ngp": ("marching:sample_points",),
+    "tensorf": ("marching:sample_points", "marching:transmittance_of_sums"),
+}
 _SPLATS: Final = (
     "splat_project:splat_footprints",
     "splat_project:splat_covariance",
@@ -85,19 +83,21 @@ _KERNELS: Final[Mapping[tuple[str, RenderPrecision], tuple[str, ...]]] = {
         "kilonerf_fp8:encode_direction",
     ),
     ("instant-ngp", "fp32"): (
-        *("instant_ngp:colour_inputs", "instant_ngp:colour", "instant_ngp:density"),
-        *("hash_grid:two_levels", "layers:layer"),
+        *("instant_ngp:colour_inputs", "hash_grid:two_levels", "layers:layer"),
+        *("marching:accumulate_sigmoids", "marching:transmittance_of_exponents"),
+        "instant_ngp:directions",
     ),
     ("instant-ngp", "fp8"): (
-        *("instant_ngp:colour_fp8", "hash_grid:two_levels_fp8", "instant_ngp:colour_inputs_fp8"),
-        *("instant_ngp:density_fp8", "instant_ngp:directions_fp8"),
+        *("marching:accumulate_sigmoids_fp8", "hash_grid:two_levels_fp8"),
+        *("instant_ngp:colour_inputs_fp8", "marching:transmittance_of_exponents_fp8"),
+        "instant_ngp:directions_fp8",
     ),
     ("tensorf", "fp32"): (
-        *("tensor_factors:colour_inputs", "instant_ngp:colour", "tensor_factors:density"),
-        *("tensor_factors:factor_sums", "tensor_factors:factor_products", "layers:layer"),
+        *("tensor_factors:colour_inputs", "marching:accumulate_sigmoids", "layers:layer"),
+        *("tensor_factors:factor_sums", "tensor_factors:factor_products"),
     ),
     ("tensorf", "fp8"): (
-        *("tensor_factors:colour_inputs_fp8", "instant_ngp:colour_fp8", "tensor_factors:density"),
+        *("tensor_factors:colour_inputs_fp8", "marching:accumulate_sigmoids_fp8"),
         *("tensor_factors:factor_products_fp8", "tensor_factors:factor_sums_fp16"),
     ),
 }
@@ -123,8 +123,7 @@ def kernels_of(method: str, precision: RenderPrecision, degree: int = 3) -> tupl
         names = (f"splat_project:splat_colours_{degree}", *_SPLATS)
         return blend, *((f"render/{name}", {}) for name in names)
     if (method, precision) in _KERNELS:
-        common = _GROUPED if method == "kilonerf" else _FILTERED
-        names = (*_KERNELS[method, precision], *_MARCHED, *common)
+        names = (*_KERNELS[method, precision], *_MARCHED, *_OF_ALL_FORMATS[method])
         return tuple((f"render/{name}", {}) for name in names)
     return ()
 

@@ -7,8 +7,6 @@ jobs, as the host of a GPU would.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 import numpy.typing as npt
 
@@ -17,32 +15,11 @@ from vividc.render.array.device.device import Device
 from vividc.render.array.device.launch import Launch
 from vividc.render.array.march.bricks import Bricks, pack_bricks
 from vividc.render.array.march.depths import Blocks
+from vividc.render.array.march.light import light_along, picture_of
 from vividc.render.array.models.field import ArrayField
 from vividc.render.array.options import ArrayOptions
-from vividc.render.array.pieces import (
-    RAYS,
-    Piece,
-    Rays,
-    Survivors,
-    pieces_of,
-    survivors_of,
-    total,
-)
-from vividc.render.array.records import (
-    MARCHING,
-    Colours,
-    Column,
-    Densities,
-    Fields,
-    Kept,
-    Listed,
-    asks_for_numbers,
-    items,
-    of_blocks,
-    of_pieces,
-    of_samples,
-    weights,
-)
+from vividc.render.array.pieces import RAYS, Piece, Rays, pieces_of, total
+from vividc.render.array.records import MARCHING, Kept, Listed
 from vividc.render.array.steering import LEAST_PARTS, STEPS_AT_ONCE
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.camera import Camera
@@ -51,10 +28,10 @@ from vividc.render.radiance import March
 
 _RAY_WORDS = 5
 _CANDIDATE_WORDS = 2
-_SAMPLE_WORDS = 5
-"""Of each sample in a launch of the kernels behind the marching one."""
 _OTHER_WORDS = 512
-"""Of the arrays in such a launch that are not by sample, and what aligning takes."""
+"""Of the arrays in a launch of the kernels behind the marching one that are not by sample, and what
+aligning takes.
+"""
 _SPARE_WORDS = 128
 """For the other small arrays of the marching kernel, and what aligning them takes."""
 _MOST_STEPS = 1 << 15
@@ -92,17 +69,15 @@ class Marcher:
         rays = self._camera_rays(blocks)
         pieces = self._march(blocks, rays)
         ledger.count(density_samples=total(pieces))
-        found = Densities(np.zeros(0, np.float32), np.zeros((0, 0), np.float32))
-        given = (self._device, self._geometry, rays)
-        if pieces:
-            found = self._field.densities(Listed(*given, pieces))
-        survivors, left = self._light(pieces, found, len(blocks) * RAYS)
+        if not pieces:
+            return np.ones((len(blocks), RAYS, 4), dtype=np.float32)
+        device, field, given = self._device, self._field, (self._device, self._geometry, rays)
+        found, left = field.densities(Listed(*given, pieces)), np.ones_like(rays.entries)
+        survivors = light_along(device, pieces, found, self._limits, left, not self._lookahead)
         counted = sum(np.count_nonzero(piece.weights) for piece in survivors)
         ledger.count(colour_samples=total(survivors), counted_samples=int(counted))
-        colours = Colours([np.zeros((0, 3), np.float32)] * len(survivors))
-        if total(survivors):
-            colours = self._field.colours(Kept(*given, survivors, found.features, self._lookahead))
-        return self._accumulate(survivors, colours, left).reshape(-1, RAYS, 4)
+        colours = field.colours(Kept(*given, survivors))
+        return picture_of(device, survivors, colours, left).reshape(-1, RAYS, 4)
 
     def _camera_rays(self, blocks: Blocks) -> Rays:
         camera = self._camera
@@ -142,7 +117,7 @@ class Marcher:
                 if goes_on:
                     again.append((number, goes_on))
             todo = again
-        most = self._device.fitting(_SAMPLE_WORDS, _OTHER_WORDS)
+        most = self._device.fitting(self._field.sample_words, _OTHER_WORDS)
         return list(pieces_of(found, min(most, self._field.most_samples)))
 
     def _march_launch(
@@ -165,65 +140,6 @@ class Marcher:
             cost=end - start + 1,
         )
 
-    def _light(
-        self, pieces: Sequence[Piece], found: Densities, rays: int
-    ) -> tuple[list[Survivors], Float32Array]:
-        """Return the samples whose colour is computed, and the light behind all samples [rays].
-
-        Their numbers are left in the scratchpads if nobody asks for them.
-        """
-        asks = self._lookahead and asks_for_numbers(found.features)
-        listed, numbers = np.zeros((2, len(found.thickness)), dtype=np.int32)
-        weights_of = np.zeros_like(found.thickness)
-        left = np.ones(rays, dtype=np.float32)
-        fields = Fields(
-            reads={
-                "thickness": of_samples(found.thickness),
-                "places": _places(found),
-                "items": items,
-            },
-            writes={
-                "kept": of_samples(numbers) if asks else None,
-                "kept_items": of_samples(listed),
-                "weights": of_samples(weights_of),
-            },
-            count="count",
-            work={} if asks else {"kept": len},
-            shared={"limits": self._limits},
-            carries={"left": of_blocks(left)},
-            scalars=lambda piece: {
-                "goes_on": int(piece.turn > 0),
-                "first_sample": piece.first,
-                "keep_all": int(not self._lookahead),
-            },
-        )
-        kernel = _in_order("transmittance", found.places)
-        counts = fields.run(self._device, "transmittance", kernel, pieces)
-        return list(survivors_of(pieces, counts, listed, numbers, weights_of)), left
-
-    def _accumulate(
-        self, survivors: Sequence[Survivors], colours: Colours, left: Float32Array
-    ) -> Float32Array:
-        """Return r, g, b over white and transmittance of each ray [n, 4]."""
-        out = np.ones((len(left), 4), dtype=np.float32)
-        fields = Fields(
-            reads={
-                "weights": weights,
-                "items": items,
-                "places": _places(colours),
-                "colours": of_pieces(colours.of_pieces),
-            },
-            holds={"left": of_blocks(left)},
-            carries={"out": of_blocks(out)},
-            scalars=lambda piece: {
-                "goes_on": int(piece.turn > 0),
-                "is_last": int(piece.is_last),
-            },
-        )
-        kernel = _in_order("accumulate", colours.places)
-        fields.run(self._device, "accumulation", kernel, survivors)
-        return out
-
 
 def parts_of(march: March, blocks: Blocks, at_once: int) -> list[int]:
     """Return how many parts of some steps each block's rays have at most."""
@@ -235,15 +151,6 @@ def steps_of(march: March, blocks: Blocks) -> npt.NDArray[np.float64]:
     """Return how many steps the rays of each block have at most."""
     between = (blocks.depths[:, 1].astype(np.float64) - blocks.depths[:, 0]) / march.step
     return np.clip(between + 2, 0, march.samples)  # both ends lie within a step
-
-
-def _in_order(kernel: str, places: Int32Array | None) -> str:
-    """Return the name of a kernel over samples that are in order, or at `places`."""
-    return f"{MARCHING}:{kernel}" + ("" if places is None else "_in_groups")
-
-
-def _places(found: Densities | Colours) -> Column | None:
-    return None if found.places is None else of_samples(found.places)
 
 
 def geometry_of(march: March, camera: Camera) -> Float32Array:

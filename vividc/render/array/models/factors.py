@@ -67,15 +67,14 @@ class FactorGrid:
     scales: Float32Array
     last: npt.NDArray[np.int32]
 
-    def sums(self, stage: str, points: Float32Array, pairs: Sequence[Pair]) -> Float32Array:
-        """Return [P, n] float32 of points [n, 3], n a multiple of 16: for each pair of a plane and
-        a line the sum over its channels of their product.
+    def sums(
+        self, stage: str, points: Float32Array, pairs: Sequence[Pair], out: Float32Array
+    ) -> None:
+        """Put into [P, B, 16] of points [B * 16, 3]: for each pair of a plane and a line the sum
+        over its channels of their product.
         """
         kernel = "factor_sums" + ("_fp16" if _is_narrow(pairs) else "")
-        out = np.empty((len(pairs), len(points)), np.float32)
-        targets = [one.reshape(-1, BLOCK) for one in out]
-        self._run(stage, kernel, points, pairs, targets)
-        return out
+        self._run(stage, kernel, points, pairs, list(out))
 
     def products(self, stage: str, points: Float32Array, pairs: Sequence[Pair]) -> Float32Array:
         """Return [B, C, 16] float32, blocks of 16 samples: plane times line of all channels, the

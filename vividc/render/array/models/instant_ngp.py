@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
-from itertools import accumulate
 from typing import Final
 
 import numpy as np
 
 from vividc.machine.words import WORD_BYTES
-from vividc.render.array.device.blocks import BLOCK, in_blocks, run_blocks
+from vividc.render.array.device.blocks import BLOCK, batches, in_blocks, run_blocks
 from vividc.render.array.device.device import Device
-from vividc.render.array.models.field import PointField
+from vividc.render.array.device.launch import Words
+from vividc.render.array.models.field import ArrayField
 from vividc.render.array.models.hash_encoding import hash_encoding
 from vividc.render.array.network.calibration import Calibrated, calibrated
 from vividc.render.array.network.networks import dense_layers, network
 from vividc.render.array.options import RenderPrecision
-from vividc.render.array.records import Colours, Kept, UInt32Array
+from vividc.render.array.records import (
+    Kept,
+    Listed,
+    Results,
+    blocks_of_samples,
+    of_pieces,
+    place_in_block,
+)
 from vividc.render.array.steering import NGP_BATCH, NGP_ROWS
 from vividc.render.arrays import Float32Array
 from vividc.render.radiance import InstantNGP
@@ -23,12 +30,10 @@ from vividc.render.radiance.instant_ngp import DIRECTION_TERMS
 
 _LANES: Final = 4
 """Numbers of float8 in a word."""
-_HALVES: Final = 2
-"""The same of float16."""
 _KERNELS: Final = "render/instant_ngp"
 
 
-class InstantNGPField(PointField):
+class InstantNGPField(ArrayField):
     """`ArrayField` of an Instant-NGP model: hash encoding, density and colour networks.
 
     Raises
@@ -37,8 +42,6 @@ class InstantNGPField(PointField):
         The model has a form that the kernels have not (see `hash_encoding`), or its networks run on
         no array in this format.
     """
-
-    batch = NGP_BATCH
 
     def __init__(
         self, model: InstantNGP, device: Device, precision: RenderPrecision = "fp32"
@@ -66,69 +69,51 @@ class InstantNGPField(PointField):
         swapped = np.pad(swapped, ((0, missing), (0, 0)))
         layers = dense_layers([swapped, *others], rgb.biases)
         self._colour_network = network(layers, precision, rgb.largest)
-        self.words = last.shape[1] // (_HALVES if is_fp8 else 1)
-        self.are_in_blocks = is_fp8
-        if is_fp8:
-            words = device.scratchpad_bytes // WORD_BYTES
-            self.most_samples = min(self.most_samples, int(NGP_ROWS * words) // self.words)
+        words, width = device.scratchpad_bytes // WORD_BYTES, self._density_network.outputs
+        self.most_samples = min(self.most_samples, int(NGP_ROWS * words) // width)
+        self._outputs = np.zeros((0, width, BLOCK), dtype=np.float32)
         for net in (self._density_network, self._colour_network):
             net.mode(device)
 
-    def colours(self, kept: Kept) -> Colours:
-        """Return r, g, b [n, 3] of each piece's samples."""
-        net = self._colour_network
-        if not net.is_fp8:
-            return super().colours(kept)
-        # A direction is encoded once for all samples of its ray.
-        kernel = f"{_KERNELS}:colour_inputs_fp8"
-        scalars = {"scale": net.scale}
-        inputs = kept.in_blocks(kernel, self._encoded(kept.directions), net.inputs, scalars)
-        rgb = np.empty((len(inputs), BLOCK, 3), dtype=np.float32)
-        for first in range(0, len(inputs), self.batch // BLOCK):
-            place = slice(first, first + self.batch // BLOCK)
-            net.colours(self._device, inputs[place].view(np.float32), rgb[place])
-        rows = rgb.reshape(-1, 3)
-        firsts = accumulate((-(-n // BLOCK) * BLOCK for n in kept.lengths), initial=0)
-        of_pieces = zip(firsts, kept.lengths, strict=False)
-        return Colours([rows[first : first + n] for first, n in of_pieces])
-
-    def _density(
-        self, points: Float32Array, thickness: Float32Array, features: Float32Array
-    ) -> None:
-        device, net = self._device, self._density_network
-        inputs = net.empty(len(points))
-        self._encoding.encode(device, "hash encoding", points.reshape(-1, 3), inputs)
-        outputs = net.run(device, "density network", net.rounded(device, inputs))
+    def densities(self, listed: Listed) -> Results:
+        """Return the exponents of densities, the first outputs of their network; all stay here."""
+        device, net, points = self._device, self._density_network, listed.points()
+        self._outputs = net.room(len(points))
+        for place, (blocks,) in batches(NGP_BATCH, points):
+            inputs = net.empty(len(blocks))
+            self._encoding.encode(device, "hash encoding", blocks.reshape(-1, 3), inputs)
+            self._outputs[place] = net.run(device, "density network", net.rounded(device, inputs))
         scalars = {
-            "limit": np.float32(self._model.exponent_max),
+            "most": np.float32(self._model.exponent_max),
             "step": np.float32(self._model.march.step),
         }
-        kernel, given = net.named(f"{_KERNELS}:density"), net.bits(outputs)
-        made = {"thickness": thickness}
-        if net.is_fp8:  # the outputs are the features
-            features[...], given = outputs, given[:, 0]
-        else:
-            made["features"] = features
-        run_blocks(device, "density", kernel, {"x": given}, made, scalars)
+        return Results(
+            net.named("transmittance_of_exponents"),
+            {"x": blocks_of_samples(net.bits(self._outputs)[:, 0])},
+            lambda piece: {**place_in_block(piece), **scalars},
+        )
 
-    def _colour(
-        self,
-        features: Float32Array,
-        points: Float32Array,
-        directions: Float32Array,
-        rgb: Float32Array,
-    ) -> None:
-        """Of features that are not float8."""
-        device, net = self._device, self._colour_network
-        given = {"features": features, "directions": directions}
-        kernel = f"{_KERNELS}:colour_inputs"
-        net.colours(device, net.made(device, "direction encoding", kernel, given), rgb)
+    def colours(self, kept: Kept) -> Results:
+        """Return what sigmoids make colours of; pieces begin with a block."""
+        device, net, blocks = self._device, self._colour_network, kept.blocks
+        inputs = net.empty(blocks[-1].stop)
+        given = (net.bits(self._outputs), self._encoded(kept.directions))
+        kernel = net.named(f"{_KERNELS}:colour_inputs")
+        kept.fill_blocks(kernel, *given, net.own(inputs), net.scaling)
+        outputs = net.room(BLOCK * len(inputs))
+        for first in range(0, len(inputs), NGP_BATCH // BLOCK):
+            place = slice(first, first + NGP_BATCH // BLOCK)
+            some = net.rounded(device, inputs[place])
+            outputs[place] = net.run(device, "colour network", some)
+        x = of_pieces([net.bits(outputs)[some] for some in blocks])
+        return Results(net.named("accumulate_sigmoids"), {"x": x}, lambda _: {"first": 0})
 
-    def _encoded(self, directions: Float32Array) -> UInt32Array:
-        """Return the directions' terms as float8 words, [R, 4] uint32."""
-        blocks = in_blocks(directions)
-        out = np.empty((*blocks.shape[:2], DIRECTION_TERMS // _LANES), np.uint32)
-        kernel, scalars = f"{_KERNELS}:directions_fp8", {"scale": self._colour_network.scale}
-        given = {"directions": blocks}
-        run_blocks(self._device, "direction encoding", kernel, given, {"out": out}, scalars)
-        return out.reshape(-1, out.shape[2])
+    def _encoded(self, directions: Float32Array) -> Words:
+        """Return the directions' terms [R, 16], or words of four of them [R, 4]."""
+        net, blocks = self._colour_network, in_blocks(directions)
+        kernel = net.named(f"{_KERNELS}:directions")
+        terms = DIRECTION_TERMS // (_LANES if net.is_fp8 else 1)
+        out = net.bits(np.empty((*blocks.shape[:2], terms), np.float32))
+        given, made = {"directions": blocks}, {"out": out}
+        run_blocks(self._device, "direction encoding", kernel, given, made, net.scaling)
+        return out.reshape(-1, terms)

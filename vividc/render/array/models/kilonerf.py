@@ -12,7 +12,7 @@ from vividc.render.array.models.grouping import Grouping, Samples, parts_of
 from vividc.render.array.models.kilonerf_fp8 import fp8_networks
 from vividc.render.array.models.kilonerf_fp32 import fp32_networks
 from vividc.render.array.options import RenderPrecision
-from vividc.render.array.records import Colours, Densities, Kept, Listed
+from vividc.render.array.records import Kept, Listed, Results, of_samples
 from vividc.render.radiance import KiloNeRF
 
 
@@ -20,7 +20,7 @@ class KiloNeRFField(ArrayField):
     """`ArrayField` of a KiloNeRF model.
 
     The features of a call of `densities` stay where the networks wrote them, in the order of
-    networks, until its next call; it returns none.
+    networks, until its next call.
 
     Raises
     ------
@@ -39,7 +39,7 @@ class KiloNeRFField(ArrayField):
         self._samples: Samples | None = None
         self._features = np.zeros((0, 0), dtype=np.float32)
 
-    def densities(self, listed: Listed) -> Densities:
+    def densities(self, listed: Listed) -> Results:
         """Return what samples have, in the order of networks; their features stay here."""
         nets = self._networks
         self._samples = samples = self._grouping.samples(listed)
@@ -51,9 +51,10 @@ class KiloNeRFField(ArrayField):
         made = {"thickness": thickness, name: self._features}
         parts = list(parts_of(samples.runs, nets.at_once))
         nets.run(self._device, "density network", nets.density, parts, given, made)
-        return Densities(thickness, np.zeros((count, 0), np.float32), samples.places)
+        reads = {"thickness": of_samples(thickness), "places": of_samples(samples.places)}
+        return Results("transmittance_in_groups", reads)
 
-    def colours(self, kept: Kept) -> Colours:
+    def colours(self, kept: Kept) -> Results:
         """Return r, g, b of each piece's samples, in the order of networks."""
         assert self._samples is not None
         nets = self._networks
@@ -63,4 +64,5 @@ class KiloNeRFField(ArrayField):
         given = [(self._features, some.rows), (seen, some.rays)]
         parts = list(parts_of(some.runs, nets.at_once))
         nets.run(self._device, "colour network", nets.colour, parts, given, {"colours": rgb})
-        return Colours([rgb[piece.samples] for piece in kept.pieces], some.places)
+        reads = {"colours": of_samples(rgb), "places": of_samples(some.places)}
+        return Results("accumulate_in_groups", reads)

@@ -7,13 +7,22 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from vividc.render.array.device.blocks import BLOCK, run_blocks
+from vividc.render.array.device.blocks import BLOCK, batches
 from vividc.render.array.device.device import Device
+from vividc.render.array.device.gather import gather_rows
 from vividc.render.array.models.factors import CHANNELS, KERNELS, channel_pairs, factor_grid
-from vividc.render.array.models.field import PointField
+from vividc.render.array.models.field import ArrayField
 from vividc.render.array.network.calibration import Calibrated, calibrated
 from vividc.render.array.network.networks import dense_layers, network
 from vividc.render.array.options import RenderPrecision
+from vividc.render.array.records import (
+    Columns,
+    Kept,
+    Listed,
+    Results,
+    blocks_of_samples,
+    place_in_block,
+)
 from vividc.render.array.steering import TENSORF_BATCH
 from vividc.render.arrays import Float32Array
 from vividc.render.radiance import TensoRF
@@ -23,7 +32,7 @@ _CHANNELS: Final = 3
 _FEATURES: Final = 27
 
 
-class TensoRFField(PointField):
+class TensoRFField(ArrayField):
     """`ArrayField` of a TensoRF model: factors, and the colour network.
 
     Raises
@@ -31,8 +40,6 @@ class TensoRFField(PointField):
     SceneError
         Its networks run on no array in this format.
     """
-
-    batch = TENSORF_BATCH
 
     def __init__(self, model: TensoRF, device: Device, precision: RenderPrecision = "fp32") -> None:
         super().__init__(model, device)
@@ -49,6 +56,7 @@ class TensoRFField(PointField):
         one, is_fp8 = np.float32(1), self._basis.is_fp8
         scale = self._basis.scale if is_fp8 else one
         self._density_pairs = channel_pairs(model.density_factors, is_fp8, one)
+        self.sample_words = max(self.sample_words, 3 + len(self._density_pairs))
         self._appearance_pairs = channel_pairs(model.appearance_factors, is_fp8, scale)
         first, *others = mlp.weights
         if is_fp8:
@@ -58,34 +66,42 @@ class TensoRFField(PointField):
         for net in (self._basis, self._colour_network):
             net.mode(device)
 
-    def _density(
-        self, points: Float32Array, thickness: Float32Array, features: Float32Array
-    ) -> None:
-        model = self._model
-        sums = self._grid.sums("density factors", points.reshape(-1, 3), self._density_pairs)
-        # A block's sums of each pair are apart.
-        given = {"sums": sums.reshape(len(sums), -1, BLOCK).transpose(1, 0, 2)}
+    def densities(self, listed: Listed) -> Results:
+        """Return what pairs of factors give of samples, whose sums make densities."""
+        model, points = self._model, listed.points()
+        pairs = self._density_pairs
+        sums = np.empty((len(pairs), -(-len(points) // BLOCK), BLOCK), np.float32)
+        for place, (blocks,) in batches(TENSORF_BATCH, points):
+            self._grid.sums("density factors", blocks.reshape(-1, 3), pairs, sums[:, place])
+        rows = sums.reshape(len(pairs), -1)
         scalars = {
             "shift": np.float32(model.density_shift),
             "step": np.float32(model.march.step * model.distance_scale),
         }
-        made = {"thickness": thickness}
-        run_blocks(self._device, "density", f"{KERNELS}:density", given, made, scalars)
+        reads: Columns = {"sums": lambda piece: rows[:, piece.samples]}
+        return Results("transmittance_of_sums", reads, lambda _: scalars)
 
-    def _colour(
-        self,
-        features: Float32Array,
-        points: Float32Array,
-        directions: Float32Array,
-        rgb: Float32Array,
-    ) -> None:
+    def colours(self, kept: Kept) -> Results:
+        """Return what sigmoids make colours of."""
+        net, (points, rays) = self._colour_network, kept.located()
+        directions = gather_rows(self._device, "compaction", kept.directions, [rays])
+        outputs = net.room(len(points))
+        for place, blocks in batches(TENSORF_BATCH, points, directions):
+            outputs[place] = self._colour(*blocks)
+        x = blocks_of_samples(net.bits(outputs))
+        return Results(net.named("accumulate_sigmoids"), {"x": x}, place_in_block)
+
+    def _colour(self, points: Float32Array, directions: Float32Array) -> Float32Array:
+        """Return the colour network's outputs of blocks of points."""
         device, basis, net = self._device, self._basis, self._colour_network
         pairs = self._appearance_pairs
         products = self._grid.products("appearance factors", points.reshape(-1, 3), pairs)
         appearance = basis.run(device, "basis", basis.rounded(device, products))
         given = {"features": basis.bits(appearance), "directions": directions}
         kernel = f"{KERNELS}:colour_inputs"
-        net.colours(device, net.made(device, "position encoding", kernel, given), rgb)
+        return net.run(
+            device, "colour network", net.made(device, "position encoding", kernel, given)
+        )
 
 
 def _by_words() -> npt.NDArray[np.int64]:

@@ -65,6 +65,17 @@ class Network:
         return self.inputs * _lanes(_FORMATS[self.precision])
 
     @property
+    def outputs(self) -> int:
+        """Rows of an array of blocks of outputs."""
+        last = self.layers[-1].shape
+        return -(-last.cols // _lanes(last.results))
+
+    @property
+    def scaling(self) -> dict[str, object]:
+        """The scalar of kernels that make words for it."""
+        return {"scale": self.scale} if self.is_fp8 else {}
+
+    @property
     def is_fp8(self) -> bool:
         """Whether kernels read and write words for it: those whose names end in `_fp8`."""
         return self.precision == "fp8"
@@ -85,6 +96,14 @@ class Network:
             return np.empty((blocks, self.inputs, BLOCK), dtype=np.float32)
         return np.zeros((blocks, self.features, BLOCK), dtype=np.float32)
 
+    def room(self, samples: int) -> Float32Array:
+        """Return room for the outputs of blocks of so many samples, [B, outputs, 16]."""
+        return np.empty((-(-samples // BLOCK), self.outputs, BLOCK), dtype=np.float32)
+
+    def own(self, inputs: Float32Array) -> Words:
+        """Return what a kernel fills of `empty` room."""
+        return self.bits(inputs if self.is_fp8 else inputs[:, : self.layers[0].shape.depth])
+
     def rounded(self, device: Device, blocks: Float32Array) -> Float32Array:
         """Return what a kernel put into `empty` room as the network takes it."""
         if self.precision != "fp16":
@@ -101,9 +120,8 @@ class Network:
         takes them.
         """
         inputs = self.empty(len(next(iter(given.values()))))
-        own = inputs if self.is_fp8 else inputs[:, : self.layers[0].shape.depth]
-        scalars = {"scale": self.scale} if self.is_fp8 else {}
-        run_blocks(device, stage, self.named(kernel), given, {"out": self.bits(own)}, scalars)
+        out = {"out": self.own(inputs)}
+        run_blocks(device, stage, self.named(kernel), given, out, self.scaling)
         return self.rounded(device, inputs)
 
     def run(self, device: Device, stage: str, inputs: Float32Array) -> Float32Array:
@@ -119,10 +137,8 @@ class Network:
             Operands are narrow, and the accelerator has no TPU-like modes, or a layer fits none:
             the tiles have no kernel for them.
         """
-        last = self.layers[-1].shape
         if not len(inputs):
-            outputs = -(-last.cols // _lanes(last.results))
-            return np.zeros((0, outputs, BLOCK), dtype=np.float32)
+            return self.room(0)
         mode = self.mode(device, len(inputs) * BLOCK)
         if mode is not None:
             words = self.precision != "fp32"
@@ -130,13 +146,6 @@ class Network:
         for layer in self.layers:
             inputs = _run_layer(device, stage, layer, inputs)
         return inputs
-
-    def colours(self, device: Device, inputs: Float32Array, rgb: Words) -> None:
-        """Put sigmoids of the first three outputs into `rgb`, [B, 16, 3]."""
-        x = self.bits(self.run(device, "colour network", inputs))
-        run_blocks(
-            device, "colour", self.named("render/instant_ngp:colour"), {"x": x}, {"out": rgb}
-        )
 
     def mode(self, device: Device, samples: int = BLOCK) -> str | None:
         """Return the TPU-like mode in which the network takes fewest cycles; None: it takes fewer
