@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import sqrt
 
 import numpy as np
 
@@ -91,7 +92,7 @@ def render_splats(
         dict(ledger.counts),
         machine.clock_ghz,
         len(screens) / (columns * rows),
-        1,  # a job of blending
+        sqrt(columns * rows / max(len(screens), 1)),  # what shares of one job differ in
         None if chosen.sample == 1 else pixels_of(corners, TILE_PX, camera),
         machine.programs.late,
     )
