@@ -29,6 +29,7 @@ from benchmarks import (
     splats,
     stages,
     start,
+    steering,
 )
 from benchmarks.kernels import TABLES
 from benchmarks.polybench import table as polybench
@@ -61,9 +62,22 @@ LARGE = "large"
 GRAPHICS = "graphics"
 START = "start"
 STAGES = "stages"
+STEERING = "steering"
 SPLATS = "splats"
 DEFAULT = (*TABLES, ENGINES, FRAMES, QUALITY, FORMATS, GEMM, SIMD, PRECISION)
-CHOICES = (*DEFAULT, GRAPHICS, LARGE, SPLATS, PAPER, MAPPERS, POLYBENCH, NPBENCH, START, STAGES)
+CHOICES = (
+    *DEFAULT,
+    GRAPHICS,
+    LARGE,
+    SPLATS,
+    PAPER,
+    MAPPERS,
+    POLYBENCH,
+    NPBENCH,
+    START,
+    STAGES,
+    STEERING,
+)
 """What is not made by default takes long: it is made by name."""
 MODULES = {
     ENGINES: engines,
@@ -76,6 +90,7 @@ MODULES = {
     SPLATS: splats,
     START: start,
     STAGES: stages,
+    STEERING: steering,
 }
 ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
     ENGINES: engines.rows,
@@ -84,6 +99,7 @@ ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
     LARGE: lambda *_: large.rows(),
     START: start.rows,
     STAGES: stages.rows,
+    STEERING: lambda *_: steering.rows(),
     SPLATS: lambda fabric, _: splats.rows(fabric),
     QUALITY: lambda *_: quality.rows(),
     FORMATS: lambda *_: formats.rows(),
@@ -97,6 +113,7 @@ PLACES = {
     LARGE: ("vivid",),
     START: ("vivid-tile",),
     STAGES: ("vivid",),
+    STEERING: ("vivid",),
     SPLATS: ("vivid",),
 }
 """Where tables are made that `--fabric` has no say in."""

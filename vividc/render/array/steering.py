@@ -40,9 +40,9 @@ NGP_BATCH: Final = 131_072
 """Samples of Instant-NGP that go through its stages together: a frame takes 1.1 % more with half as
 many.
 """
-NGP_ROWS: Final = 0.44
-"""Of a scratchpad for the features of a piece, which it holds twice if there is room: a frame takes
-the same within 0.4 % with 0.3 and with 0.36.
+NGP_ROWS: Final = 0.6
+"""Of a scratchpad for the outputs that a piece has, at most: a frame takes 0.4 % more with 0.44, and
+the same with more.
 """
 TENSORF_BATCH: Final = 65_536
 """The same of TensoRF: with fewer 7.8 frames a second in place of 8.7, when it was chosen."""
