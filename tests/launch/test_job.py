@@ -215,6 +215,20 @@ def test_a_failing_run_changes_no_array() -> None:
     assert not y.any()
 
 
+def test_of_runs_that_fail_the_first_is_told() -> None:
+    told = set()
+    for threads in (1, 2, 5):
+        job = Job("vivid")
+        for tile in range(8):
+            words = 4 + tile if tile > 2 else 20
+            job.run(tile, program(double), x=At(0, (words,)), n=20)
+        with pytest.raises(SimulationError) as error:
+            job.simulate(threads=threads)
+        told.add(str(error.value))
+    assert len(told) == 1
+    assert "28" in told.pop()  # the byte behind the seven words of tile 3
+
+
 def test_a_run_has_a_cycle_limit() -> None:
     job = Job("vivid")
     job.run(0, program(double), x=At(0, (1000,)), n=1000)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, field
 from typing import TypedDict
 
 from vividc.launch.functional import Outcome
 from vividc.launch.steps import Execute, Step, kind_of
 from vividc.launch.timing import Timing
 from vividc.program import Program
-from vividc.sim.accounting import by_kind, bytes_by_level, cycles_by_use, summed
+from vividc.sim.accounting import Work, by_kind, bytes_by_level, summed, work_of
 from vividc.sim.engine import Activity, Run
 
 
@@ -59,21 +59,23 @@ _USES = ("steady", "prologue_epilogue", "straight", "switch")
 
 def job_stats(steps: Sequence[Step], outcome: Outcome, timing: Timing) -> JobStats:
     """Collect the statistics of a job."""
-    runs: dict[int, list[tuple[Program, Run]]] = {}
+    runs: dict[int, dict[int, _Runs]] = {}
     kinds: Counter[str] = Counter()
     for number, step in enumerate(steps):
         kinds[kind_of(step)] += 1
         if isinstance(step, Execute):
-            ran = (step.program, outcome.runs[number])
-            runs.setdefault(step.tile, []).append(ran)
-    tiles = [_tile_stats(tile, runs[tile], timing) for tile in sorted(runs)]
-    operations: Counter[str] = Counter()
-    for region in (r for run in outcome.runs.values() for r in run.regions):
-        for name, count in region.issued.items():
-            operations[name] += count
-    pes = max((len(p.fabric.pes) for rs in runs.values() for p, _ in rs), default=1)
+            of_tile = runs.setdefault(step.tile, {})
+            of_tile.setdefault(id(step.program), _Runs(step.program)).add(outcome.runs[number])
+    tiles, operations, moved = [], Counter[str](), list[Activity]()
+    for tile in sorted(runs):
+        works = [some.work() for some in runs[tile].values()]
+        tiles.append(_tile_stats(tile, list(runs[tile].values()), works, timing))
+        for work in works:
+            operations.update(work.issued)
+            moved.append(work.activity)
+    pes = max((some.pes for of_tile in runs.values() for some in of_tile.values()), default=1)
     whole = pes * len(tiles) * timing.cycles
-    activity = Activity.total(run.activity for run in outcome.runs.values())
+    activity = Activity.total(moved)
     engines = sorted({run.engine for run in outcome.runs.values()})
     return JobStats(
         cycles=timing.cycles,
@@ -139,20 +141,39 @@ def _joined_tile(number: int, parts: Sequence[JobStats], pes: int) -> TileStats:
     )
 
 
-def _tile_stats(tile: int, runs: list[tuple[Program, Run]], timing: Timing) -> TileStats:
+@dataclass(frozen=True, slots=True)
+class _Runs:
+    """Those of a program on a tile."""
+
+    program: Program
+    runs: list[Run] = field(default_factory=list)
+
+    @property
+    def pes(self) -> int:
+        """Of the tile."""
+        return len(self.program.fabric.pes)
+
+    def add(self, run: Run) -> None:
+        """Take one more."""
+        self.runs.append(run)
+
+    def work(self) -> Work:
+        """What all of them did."""
+        return work_of(self.program.table, self.runs)
+
+
+def _tile_stats(
+    tile: int, programs: Sequence[_Runs], works: Sequence[Work], timing: Timing
+) -> TileStats:
     state = timing.tiles[tile]
+    runs = [run for some in programs for run in some.runs]
     cycles = dict.fromkeys((*_USES, "bank_stall", "idle"), 0)
-    issued = 0
-    for program, run in runs:
-        cycles["switch"] += run.switch_cycles
-        for row, region in zip(program.table, run.regions, strict=True):
-            if region.entries:
-                for use, count in cycles_by_use(row, region).items():
-                    cycles[use] += count
-                issued += sum(region.issued.values())
+    cycles |= summed(work.cycles for work in works)
+    cycles["switch"] = sum(run.switch_cycles for run in runs)
+    issued = sum(sum(work.issued.values()) for work in works)
     stalls = {"bank": cycles.pop("bank_stall"), **state.stalls}
     cycles["idle"] = timing.cycles - state.free_from
-    slots = len(runs[0][0].fabric.pes) * timing.cycles
+    slots = programs[0].pes * timing.cycles
     return TileStats(
         tile=tile,
         runs=len(runs),

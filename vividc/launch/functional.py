@@ -6,8 +6,9 @@ from __future__ import annotations
 
 import os
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -64,7 +65,7 @@ def carry_out(
     working = Working(buffers, {buffers.number(v) for v in targets})
     state = _State(accelerator, buffers, working, engine)
     state.prepare(steps)
-    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
+    with _working(threads or os.cpu_count() or 1) as run_all:
         for wave in _waves(waits):
             runs = []
             for number in wave:
@@ -75,10 +76,41 @@ def carry_out(
                     runs.append(number)
             launches = [state.launch(steps[n], cycle_limit) for n in runs]
             tiles = [state.tile(steps[n]) for n in runs]
-            for number, run in zip(runs, pool.map(Tile.run, tiles, launches), strict=True):
+            for number, run in zip(runs, run_all(tiles, launches), strict=True):
                 state.finish(number, steps[number], run)
     state.working.commit(targets)
     return state.outcome
+
+
+@contextmanager
+def _working(threads: int) -> Iterator[Callable[[Sequence[Tile], Sequence[Launch]], list[Run]]]:
+    """A function that runs each of some tiles in so many threads, its caller's among them."""
+    if threads == 1:
+        yield lambda tiles, launches: list(map(Tile.run, tiles, launches))
+        return
+
+    def run_all(tiles: Sequence[Tile], launches: Sequence[Launch]) -> list[Run]:
+        done: dict[int, Run] = {}
+        failed: dict[int, Exception] = {}
+        left = iter(range(len(tiles)))
+
+        def run_some() -> None:
+            for number in left:
+                try:
+                    done[number] = tiles[number].run(launches[number])
+                except Exception as error:
+                    failed[number] = error
+
+        others = [pool.submit(run_some) for _ in range(min(threads, len(tiles)) - 1)]
+        run_some()
+        for other in others:
+            other.result()
+        if failed:
+            raise failed[min(failed)]
+        return [done[number] for number in range(len(tiles))]
+
+    with ThreadPoolExecutor(threads - 1) as pool:
+        yield run_all
 
 
 def _waves(waits: Sequence[tuple[int, ...]]) -> list[list[int]]:
@@ -198,7 +230,7 @@ class _State:
         for local in step.program.locals:
             if local.contents:
                 local.fill(memory, step.extents[local.name][0])
-        return Launch(memory.copy(), step.inputs, cycle_limit, step.extents)
+        return Launch(memory, step.inputs, cycle_limit, step.extents)
 
     def finish(self, number: int, step: Step, run: Run) -> None:
         """Keep what the run stored, which is where it was said to be, or in arrays of its own."""

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 from vividc.machine.kinds import kind_of
 from vividc.machine.opcodes import Opcode
 from vividc.program import WORD_BYTES, RegionRow
-from vividc.sim.engine import Activity, RegionRun
+from vividc.sim.engine import Activity, RegionRun, Run
+from vividc.sim.native.plan.counts import Sums, together
 
 USES: Final = ("steady", "prologue_epilogue", "straight", "bank_stall")
 _LEVELS: Final = {
@@ -30,15 +32,63 @@ def cycles_by_use(row: RegionRow, region: RegionRun) -> dict[str, int]:
     "prologue_epilogue", of all its runs together. "straight": a straight region. "bank_stall": the
     tile stood still.
     """
+    return _uses(row, region, _steady(row, region))
+
+
+def _uses(row: RegionRow, region: RegionRun, steady: int) -> dict[str, int]:
     cycles = dict.fromkeys(USES, 0)
     cycles["bank_stall"] = region.bank_stalls
     own = region.cycles - region.bank_stalls
     if row.kind == "straight":
         cycles["straight"] = own
         return cycles
-    cycles["steady"] = min(region.iterations * row.ii, own)
-    cycles["prologue_epilogue"] = own - cycles["steady"]
+    cycles["steady"] = steady
+    cycles["prologue_epilogue"] = own - steady
     return cycles
+
+
+def _steady(row: RegionRow, region: RegionRun) -> int:
+    return min(region.iterations * row.ii, region.cycles - region.bank_stalls)
+
+
+@dataclass(frozen=True, slots=True)
+class Work:
+    """What runs of one program did: `cycles` by use, issues by opcode, and words that moved."""
+
+    cycles: Mapping[str, int]
+    issued: Mapping[str, int]
+    activity: Activity
+
+
+def work_of(table: Sequence[RegionRow], runs: Sequence[Run]) -> Work:
+    """Add up what runs did of a program with such regions."""
+    cycles: Counter[str] = Counter(dict.fromkeys(USES, 0))
+    issued: Counter[str] = Counter()
+    moved: list[Activity] = []
+    for rows, steady in _counted(table, runs):
+        for row, region, at_ii in zip(table, rows, steady, strict=True):
+            if region.entries:
+                cycles.update(_uses(row, region, at_ii))
+                issued.update(region.issued)
+                moved.append(region.activity)
+    return Work(cycles, issued, Activity.total(moved))
+
+
+def _counted(
+    table: Sequence[RegionRow], runs: Sequence[Run]
+) -> Iterator[tuple[Sequence[RegionRun], Sequence[int]]]:
+    """What was counted in each region, and how much of it was steady: of all runs of native code
+    together, and of each other one.
+    """
+    native: list[Sums] = []
+    for run in runs:
+        if isinstance(run.counts, Sums):
+            native.append(run.counts)
+        else:
+            rows = run.regions
+            yield rows, [_steady(row, region) for row, region in zip(table, rows, strict=True)]
+    if native:
+        yield together(native, [row.ii for row in table])
 
 
 def by_kind(issued: Mapping[str, int]) -> dict[str, dict[str, int]]:

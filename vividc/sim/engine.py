@@ -132,6 +132,24 @@ class RegionRun:
     activity: Activity = Activity()
 
 
+class Counts(Protocol):
+    """What a run counted."""
+
+    def regions(self) -> tuple[RegionRun, ...]:
+        """One per row of the region table."""
+
+
+@dataclass(frozen=True, slots=True)
+class ByRegion:
+    """Counts that were kept region by region."""
+
+    rows: tuple[RegionRun, ...]
+
+    def regions(self) -> tuple[RegionRun, ...]:
+        """See `Counts`."""
+        return self.rows
+
+
 @dataclass(frozen=True, slots=True)
 class Run:
     """The outcome of a launch.
@@ -146,8 +164,8 @@ class Run:
         Scratchpad contents at the end: uint32 words.
     value
         The word of the returned scalar, if the program returns one.
-    regions
-        One per row of the region table.
+    counts
+        What it counted: few runs of a job are looked at one by one.
     engine
         Name of the engine that ran it.
     """
@@ -156,9 +174,18 @@ class Run:
     switch_cycles: int
     memory: NDArray[np.uint32]
     value: int | None
-    regions: tuple[RegionRun, ...]
-    activity: Activity
+    counts: Counts
     engine: str = "reference"
+
+    @property
+    def regions(self) -> tuple[RegionRun, ...]:
+        """One per row of the region table; made anew each time."""
+        return self.counts.regions()
+
+    @property
+    def activity(self) -> Activity:
+        """Words moved in all regions."""
+        return Activity.total(region.activity for region in self.regions)
 
 
 class Engine(Protocol):

@@ -9,6 +9,7 @@ import numpy as np
 from vividc.errors import SimulationError
 from vividc.program import Program
 from vividc.sim import Engine, Launch, NativeEngine, ReferenceEngine, Run
+from vividc.sim.accounting import work_of
 from vividc.sim.bind import bind
 
 
@@ -35,16 +36,22 @@ def same(one: tuple[Run | str, bytes], other: tuple[Run | str, bytes]) -> None:
     if isinstance(one[0], str) or isinstance(other[0], str):
         assert other[0] == one[0]
         return
-    fields = Run.__dataclass_fields__.keys() - {"memory"}
+    fields = (Run.__dataclass_fields__.keys() - {"memory", "counts"}) | {"regions"}
     assert {f: getattr(other[0], f) for f in fields} == {f: getattr(one[0], f) for f in fields}
     assert other[1] == one[1]
 
 
 def assert_engines_agree(program: Program, *launches: Launch) -> None:
-    """Demands that both engines give the same for each launch."""
+    """Demands that both engines give the same for each launch, and for all of them together."""
     reference, native = ReferenceEngine(program), NativeEngine(program)
-    for given in launches:
-        same(outcome(reference, given), outcome(native, given))
+    outcomes = [(outcome(reference, given), outcome(native, given)) for given in launches]
+    for one, other in outcomes:
+        same(one, other)
+    one_work, other_work = (
+        work_of(program.table, [run for run, _ in some if isinstance(run, Run)])
+        for some in zip(*outcomes, strict=True)
+    )
+    assert one_work == other_work
 
 
 def agreed_run(program: Program, given: Launch) -> Run:

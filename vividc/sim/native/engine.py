@@ -12,10 +12,10 @@ from functools import partial
 from typing import Final
 
 from vividc.program import Program
-from vividc.sim.engine import Launch, Run
+from vividc.sim.engine import ByRegion, Launch, Run
 from vividc.sim.native.code import Compiled, compiled
 from vividc.sim.native.fallback import Fallback
-from vividc.sim.native.plan.counts import Totals, activity
+from vividc.sim.native.plan.counts import Sums, Totals
 from vividc.sim.native.plan.layout import Place, Status
 from vividc.sim.native.spans import Spans
 from vividc.sim.native.state import MachineState, initial_state
@@ -119,18 +119,13 @@ class _Running:
 
     def _result(self) -> Run:
         state, plan = self._state, self._code.plan
-        totals = [
-            Totals() if counts is None else counts.totals(state.context[first:])
-            for counts, first in zip(plan.counts, plan.layout.sums, strict=True)
-        ]
-        for region, done in self._elsewhere.items():
-            totals[region] += done
+        words = state.context[: plan.layout.spill].copy()
+        sums = Sums(plan.counts, plan.layout.sums, words)
         return Run(
             cycles=int(state.context[Place.CYCLE]),
             switch_cycles=int(state.context[Place.SWITCH_CYCLES]),
-            memory=state.scratchpad.copy(),
+            memory=state.scratchpad,
             value=returned(self._program, partial(state.word_at, plan.layout)),
-            regions=tuple(total.region_run() for total in totals),
-            activity=activity(totals),
+            counts=ByRegion(sums.regions(self._elsewhere)) if self._elsewhere else sums,
             engine="native",
         )

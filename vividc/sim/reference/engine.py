@@ -13,7 +13,7 @@ import numpy as np
 
 from vividc.errors import SimulationError
 from vividc.program import Home, Program, joined
-from vividc.sim.engine import Activity, Launch, Observer, RegionRun, RegionSpan, Run
+from vividc.sim.engine import Activity, ByRegion, Launch, Observer, RegionRun, RegionSpan, Run
 from vividc.sim.reference.predecode import RegionCode, State, StateMap, predecode
 from vividc.sim.reference.region import RegionState, iterations
 from vividc.sim.reference.tile import Tile, Watch
@@ -61,7 +61,6 @@ class ReferenceEngine:
                 tile.check_limit(done.region.index, tile.cycle)
             if left is None:
                 ended(done)
-        regions = tuple(total.region_run() for total in totals)
         return Run(
             cycles=tile.cycle,
             switch_cycles=switches,
@@ -69,8 +68,7 @@ class ReferenceEngine:
             value=returned(
                 self._program, lambda home: tile.state[self._cells.constant(home.pe, home.entry)]
             ),
-            regions=regions,
-            activity=Activity.total(region.activity for region in regions),
+            counts=ByRegion(tuple(total.region_run() for total in totals)),
         )
 
     def _run_region(

@@ -96,6 +96,7 @@ _NEVER_RAN: Final = RegionRun(0, 0, 0, 0, {})
 
 _NOTHING: Final = Totals()
 """Of a region that was never entered."""
+_NO_TOTALS: Final[Mapping[int, Totals]] = {}
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,10 +209,44 @@ class _Counter:
                 self._add("register_reads", times)
 
 
-def activity(totals: Sequence[Totals]) -> Activity:
-    """The activity of a whole run."""
-    ran = [total.fields[len(_TIMES) :] for total in totals if total.fields[0]]
-    return Activity(*map(sum, zip(*ran, strict=True)))
+@dataclass(frozen=True, slots=True, eq=False)
+class Sums:
+    """What native code counted in a run, or in several of one program: counts are made of its sums
+    when they are asked for.
+
+    Attributes
+    ----------
+    of_regions
+        What the sums of each region tell; None: it has no code.
+    starts
+        Its first sum among `words`.
+    """
+
+    of_regions: Sequence[RegionCounts | None]
+    starts: Sequence[int]
+    words: Vector
+
+    def regions(self, elsewhere: Mapping[int, Totals] = _NO_TOTALS) -> tuple[RegionRun, ...]:
+        """One per row of the region table, with what was counted elsewhere."""
+        totals = [
+            _NOTHING if counts is None else counts.totals(self.words[start:])
+            for counts, start in zip(self.of_regions, self.starts, strict=True)
+        ]
+        for region, done in elsewhere.items():
+            totals[region] += done
+        return tuple(total.region_run() for total in totals)
+
+
+def together(runs: Sequence[Sums], iis: Sequence[int]) -> tuple[tuple[RegionRun, ...], list[int]]:
+    """What runs of one program counted in each region, and of its cycles those that iterations at
+    its II took: of each run no more than there are without stalls.
+    """
+    first, words = runs[0], np.stack([run.words for run in runs])
+    starts = np.array(first.starts)
+    own = words[:, starts + Sum.CYCLES] - words[:, starts + Sum.STALLS]
+    steady = np.minimum(words[:, starts + Sum.ITERATIONS] * np.array(iis), own).sum(axis=0)
+    whole = Sums(first.of_regions, first.starts, words.sum(axis=0))
+    return whole.regions(), steady.tolist()
 
 
 def _most(flow: RegionFlow, op: FlowOp) -> int:
