@@ -121,7 +121,7 @@ def ray_of(items, sample):
 def place_of(items, sample, first):
     """Where among the blocks a sample, or the last one, is."""
     item = items[min(np.int32(sample), np.int32(len(items) - 1))]
-    return (np.uint32(item) >> PLACE) + np.uint32(first)
+    return np.uint32((np.uint32(item) >> PLACE) + np.uint32(first))
 
 
 @vividc.kernel("void(float32[:, :, ::1], float32[:, ::1], int32[::1], int32, float32[:, :, ::1])")
@@ -132,13 +132,13 @@ def colour_inputs(outputs, of_rays, items, first, out):
     Parameters
     ----------
     outputs
-        [block, output, sample]: all blocks with samples of the piece.
+        [block, output, sample]: all blocks with samples that survive.
     of_rays
         [64, 16] of its rays.
     items
         As in marching.py.
     first
-        The first block's sample that is the piece's first.
+        Where the piece begins, counted from the first block's first sample; it may be before it.
     """
     for sample in range(16 * out.shape[0]):
         ray = ray_of(items, sample)

@@ -29,8 +29,11 @@ MOST = np.float32(65534.0)
 LOW = np.uint32(0xFFFF)
 HIGH = np.uint32(16)
 PLACE = np.uint32(22)
+NOT_LANE = np.uint32(0xFFFFFFF0)
+"""All of a number of a sample but its place in a block of 16."""
 LARGE = np.float32(20.0)
 LARGEST = np.float32(80.0)
+CHORD = np.uint32(0x7EF311C7)
 UPPER = np.uint32(0x3C000000)
 """0 and 1 as float16: the products with a word of finite numbers add up to the upper one."""
 
@@ -233,19 +236,25 @@ def ray_of(item):
     return np.uint32((np.uint32(item) >> HIGH) & np.uint32(63))
 
 
-@vividc.kernel(
-    "void(float32[:, ::1], float32[::1], float32[::1], int32[::1], int32, float32[:, ::1],"
-    " int32[::1])"
-)
-def sample_points(directions, entries, geometry, items, first_ray, points, rays):
-    """Place in the world, and ray of the picture, of each sample of a block."""
+@vividc.kernel("void(float32[:, ::1], float32[::1], float32[::1], int32[::1], float32[:, ::1])")
+def sample_points(directions, entries, geometry, items, out):
+    """Place in the world of each sample of a block."""
     for sample in range(len(items)):
         ray = ray_of(items[sample])
         t = entries[ray] + (np.float32(items[sample] & 0xFFFF) + HALF) * geometry[14]
-        points[sample, 0] = geometry[0] + t * directions[ray, 0]
-        points[sample, 1] = geometry[1] + t * directions[ray, 1]
-        points[sample, 2] = geometry[2] + t * directions[ray, 2]
-        rays[sample] = first_ray + np.int32(ray)
+        out[sample, 0] = geometry[0] + t * directions[ray, 0]
+        out[sample, 1] = geometry[1] + t * directions[ray, 1]
+        out[sample, 2] = geometry[2] + t * directions[ray, 2]
+
+
+@vividc.kernel("void(float32[:, ::1], int32[::1], float32[:, ::1])")
+def sample_directions(directions, items, out):
+    """Direction of the ray of each sample of a block."""
+    for sample in range(len(items)):
+        ray = ray_of(items[sample])
+        out[sample, 0] = directions[ray, 0]
+        out[sample, 1] = directions[ray, 1]
+        out[sample, 2] = directions[ray, 2]
 
 
 @numba.njit
@@ -280,6 +289,18 @@ def list_sample(sample, thickness, items, limits, keep_all, left, kept_items, we
     return listed
 
 
+@numba.njit
+def survivors(listed, kept_items):
+    """How many samples are listed << 20 | the place of the first in its launch << 10 | the last's,
+    or 0.
+    """
+    if listed == 0:
+        return np.int32(0)
+    first = np.uint32(kept_items[0]) >> PLACE
+    last = np.uint32(kept_items[np.uint32(listed - 1)]) >> PLACE
+    return np.int32(np.uint32(listed) << np.uint32(20) | first << np.uint32(10) | last)
+
+
 @vividc.kernel(
     "int32(float32[::1], int32[::1], int32[::1], int32, float32[::1], int32, float32[::1],"
     " int32[::1], float32[::1], int32[::1])"
@@ -288,7 +309,8 @@ def transmittance_in_groups(
     thickness, places, items, goes_on, limits, keep_all, left, kept_items, weights, count
 ):
     """Light that reaches each sample of a block, whose thickness is at `places`, and the samples
-    that are listed (`list_sample`); returns how many, as `count` gets, too.
+    that are listed (`list_sample`); returns which (`survivors`); `count` gets how
+    many.
     """
     begin(left, goes_on)
     listed = np.int32(0)
@@ -298,7 +320,7 @@ def transmittance_in_groups(
             *(left, kept_items, weights, listed),
         )
     count[0] = listed
-    return listed
+    return survivors(listed, kept_items)
 
 
 @vividc.kernel(
@@ -319,7 +341,7 @@ def transmittance_of_exponents(
             sample, thickness, items, limits, keep_all, left, kept_items, weights, listed
         )
     count[0] = listed
-    return listed
+    return survivors(listed, kept_items)
 
 
 @vividc.kernel(
@@ -339,7 +361,7 @@ def transmittance_of_exponents_fp8(
             sample, thickness, items, limits, keep_all, left, kept_items, weights, listed
         )
     count[0] = listed
-    return listed
+    return survivors(listed, kept_items)
 
 
 @vividc.kernel(
@@ -365,7 +387,7 @@ def transmittance_of_sums(
             sample, thickness, items, limits, keep_all, left, kept_items, weights, listed
         )
     count[0] = listed
-    return listed
+    return survivors(listed, kept_items)
 
 
 @numba.njit
@@ -373,20 +395,21 @@ def begin_sums(left, goes_on, out):
     """Zeros, and the light behind all samples."""
     if goes_on == 0:
         for ray in range(len(left)):
-            out[ray, 0] = ZERO
-            out[ray, 1] = ZERO
-            out[ray, 2] = ZERO
-            out[ray, 3] = left[ray]
+            at = np.uint32(ray << 2)
+            out[at] = ZERO
+            out[at + np.uint32(1)] = ZERO
+            out[at + np.uint32(2)] = ZERO
+            out[at + np.uint32(3)] = left[ray]
 
 
 @numba.njit
 def add_colour(item, weight, colour, out):
     """Add what a sample emits to its ray's sums, which are read before one of them is written."""
-    ray = ray_of(item)
-    red, green, blue = out[ray, 0], out[ray, 1], out[ray, 2]
-    out[ray, 0] = red + weight * colour[0]
-    out[ray, 1] = green + weight * colour[1]
-    out[ray, 2] = blue + weight * colour[2]
+    at = ray_of(item) << np.uint32(2)
+    red, green, blue = out[at], out[at + np.uint32(1)], out[at + np.uint32(2)]
+    out[at] = red + weight * colour[0]
+    out[at + np.uint32(1)] = green + weight * colour[1]
+    out[at + np.uint32(2)] = blue + weight * colour[2]
 
 
 @numba.njit
@@ -394,19 +417,20 @@ def put_over_white(left, is_last, out):
     """Add the light of a white background, behind a block's last samples."""
     if is_last != 0:
         for ray in range(len(left)):
-            red, green, blue, light = out[ray, 0], out[ray, 1], out[ray, 2], out[ray, 3]
-            out[ray, 0] = red + light
-            out[ray, 1] = green + light
-            out[ray, 2] = blue + light
+            at = np.uint32(ray << 2)
+            light = left[ray]
+            out[at] += light
+            out[at + np.uint32(1)] += light
+            out[at + np.uint32(2)] += light
 
 
 @vividc.kernel(
     "void(float32[::1], int32[::1], int32[::1], float32[:, ::1], float32[::1], int32, int32,"
-    " float32[:, ::1])"
+    " float32[::1])"
 )
 def accumulate_in_groups(weights, items, places, colours, left, goes_on, is_last, out):
     """Emission along the rays of a block, front to back (Max 1995), of samples whose colours are at
-    `places`: r, g, b and transmittance.
+    `places`: r, g, b and transmittance of each ray.
 
     With `goes_on`, `out` holds the sums of the samples before; with `is_last` it is put over white.
     """
@@ -419,46 +443,58 @@ def accumulate_in_groups(weights, items, places, colours, left, goes_on, is_last
 
 
 @numba.njit
+def inverse(d):
+    """1 / d, correctly rounded, of d from 1 to 2^125: of a chord of 1 / d in its bits, a product of
+    a geometric series and two corrections by exact residuals.
+    """
+    y = lang.bitcast_f32(CHORD - np.uint32(lang.bitcast_i32(d)))
+    error = lang.fma(-d, y, ONE)
+    y = lang.fma(y, error, y)
+    y = lang.fma(y, error * error, y)
+    error = lang.fma(-d, y, ONE)
+    y = lang.fma(y, lang.fma(error, error, error), y)
+    return lang.fma(y, lang.fma(-d, y, ONE), y)
+
+
+@numba.njit
 def sigmoid(x):
-    return ONE / (ONE + math.exp(min(max(-x, -LARGEST), LARGEST)))
+    return inverse(ONE + math.exp(min(-x, LARGEST)))
 
 
 @vividc.kernel(
-    "void(float32[::1], int32[::1], float32[:, :, ::1], int32, float32[::1], int32, int32,"
-    " float32[:, ::1])"
+    "void(float32[::1], int32[::1], float32[::1], int32, float32[::1], int32, int32, float32[::1])"
 )
 def accumulate_sigmoids(weights, items, x, first, left, goes_on, is_last, out):
-    """As `accumulate_in_groups`, of colours that are sigmoids of a network's first three outputs:
-    blocks of 16 samples [block, output, sample], the first of which is the first block's `first`.
+    """As `accumulate_in_groups`, of colours that are sigmoids of a network's three outputs: blocks
+    [block, output, 16] of samples, the first of which is the first block's `first`.
     """
     begin_sums(left, goes_on, out)
     for sample in range(len(weights)):
         place = np.uint32(first + sample)
-        block, lane = place >> np.uint32(4), place & np.uint32(15)
+        at = place + np.uint32(2) * (place & NOT_LANE)
         colour = (
-            sigmoid(x[block, 0, lane]),
-            sigmoid(x[block, 1, lane]),
-            sigmoid(x[block, 2, lane]),
+            sigmoid(x[at]),
+            sigmoid(x[at + np.uint32(16)]),
+            sigmoid(x[at + np.uint32(32)]),
         )
         add_colour(items[sample], weights[sample], colour, out)
     put_over_white(left, is_last, out)
 
 
 @vividc.kernel(
-    "void(float32[::1], int32[::1], uint32[:, :, ::1], int32, float32[::1], int32, int32,"
-    " float32[:, ::1])"
+    "void(float32[::1], int32[::1], uint32[::1], int32, float32[::1], int32, int32, float32[::1])"
 )
 def accumulate_sigmoids_fp8(weights, items, x, first, left, goes_on, is_last, out):
-    """As `accumulate_sigmoids`, of words of two float16."""
+    """As `accumulate_sigmoids`, of words of two float16, [block, 2, 16]."""
     begin_sums(left, goes_on, out)
     for sample in range(len(weights)):
         place = np.uint32(first + sample)
-        block, lane = place >> np.uint32(4), place & np.uint32(15)
-        word = x[block, 0, lane]
+        at = place + (place & NOT_LANE)
+        word = x[at]
         colour = (
             sigmoid(np.float32(lang.fp16_from_bits(word))),
             sigmoid(lang.dot_fp16(word, UPPER, ZERO)),
-            sigmoid(np.float32(lang.fp16_from_bits(x[block, 1, lane]))),
+            sigmoid(np.float32(lang.fp16_from_bits(x[at + np.uint32(16)]))),
         )
         add_colour(items[sample], weights[sample], colour, out)
     put_over_white(left, is_last, out)

@@ -17,7 +17,7 @@ from vividc.render.array.device.programs import kernel_folder, kernel_module
 from vividc.render.array.march.light import light_along, picture_of
 from vividc.render.array.pieces import RAYS, Piece, Rays, pieces_of
 from vividc.render.array.records import Kept
-from vividc.render.arrays import Float32Array, Int32Array
+from vividc.render.arrays import Float32Array
 from vividc.render.radiance import March
 
 PIECE = 50
@@ -137,9 +137,9 @@ class GivenKept(Kept):
 
     where: Float32Array
 
-    def located(self) -> tuple[Float32Array, Int32Array]:
-        parts = [piece.first_ray + (piece.items >> 16 & RAYS - 1) for piece in self.pieces]
-        return self.where, np.concatenate(parts).astype(np.int32)
+    def located(self) -> tuple[Float32Array, Float32Array]:
+        rays = [piece.first_ray + (piece.items >> 16 & RAYS - 1) for piece in self.pieces]
+        return self.where, self.directions[np.concatenate(rays)]
 
 
 def shown(

@@ -164,7 +164,8 @@ def _survivors(pieces: list[Piece], chosen: np.ndarray) -> list[Survivors]:
     items = [p.items[w] | (w << 22).view(np.int32) for p, w in zip(pieces, within, strict=True)]
     counts = [len(some) for some in items]
     every = np.concatenate([np.pad(some, (0, RAYS - len(some))) for some in items])
-    return list(survivors_of(pieces, counts, every, np.ones(len(every), np.float32)))
+    words = [count << 20 for count in counts]
+    return list(survivors_of(pieces, words, every, np.ones(len(every), np.float32)))
 
 
 @pytest.mark.slow  # numba takes its time for the networks

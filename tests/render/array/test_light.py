@@ -154,6 +154,9 @@ def test_light_and_picture_are_those_of_sums_in_float64(kind: Kind) -> None:
     listed = numbers_of(survivors)
     np.testing.assert_array_equal(listed, np.flatnonzero(weights))
     assert 100 < len(listed) < 0.8 * COUNT
+    for one in filter(len, survivors):
+        own = numbers_of([one])
+        assert one.span == slice(own[0], own[-1] + 1)
     found = np.concatenate([one.weights for one in survivors])
     np.testing.assert_allclose(found, weights[listed], rtol=1e-4)
     np.testing.assert_allclose(left, light, rtol=1e-4, atol=1e-6)

@@ -58,10 +58,13 @@ class Marched:
         self.pieces = pieces
         self.items = np.concatenate(pieces)
         points = np.zeros((len(self.items), 3), np.float32)
-        of_rays = np.zeros(len(self.items), np.int32)
-        KERNELS.sample_points(rays[0], entries[0], geometry, self.items, 100, points, of_rays)
+        seen = np.zeros_like(points)
+        KERNELS.sample_points(rays[0], entries[0], geometry, self.items, points)
+        KERNELS.sample_directions(rays[0], self.items, seen)
+        of_rays = self.items >> 16
+        np.testing.assert_array_equal(seen, self.directions[of_rays])
         by_ray = np.argsort(of_rays, kind="stable")
-        self.points, self.rays = points[by_ray], of_rays[by_ray] - 100
+        self.points, self.rays = points[by_ray], of_rays[by_ray]
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -118,3 +121,13 @@ def test_rays_outside_the_picture_and_along_a_face() -> None:
     np.testing.assert_allclose(marched.points[0], (0, 0, -0.125), atol=1e-6)
     np.testing.assert_allclose(marched.points[-1], (0, 0, -0.875), atol=1e-6)
     assert not marched.directions[2:].any()
+
+
+@pytest.mark.parametrize("exponent", [0, 1, 60, 115])
+def test_inverses_are_those_of_a_division(exponent: int) -> None:
+    """Of the number below a power of two the inverse lies all but half-way between two numbers."""
+    rng = np.random.default_rng(exponent)
+    mantissas = np.append(rng.integers(0, 1 << 23, 20_000), [0, 1, (1 << 23) - 2, (1 << 23) - 1])
+    numbers = (mantissas + ((127 + exponent) << 23)).astype(np.uint32).view(np.float32)
+    found = np.array([KERNELS.inverse(number) for number in numbers], np.float32)
+    np.testing.assert_array_equal(found, np.float32(1) / numbers)

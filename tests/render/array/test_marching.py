@@ -48,9 +48,9 @@ class HostField(ArrayField):
         return Results("transmittance_in_groups", reads)
 
     def colours(self, kept: Kept) -> Results:
-        points, rays = kept.located()
+        points, directions = kept.located()
         _, features = self.model.density(points, linear)
-        rgb = self.model.colour(points, features, kept.directions[rays], linear)
+        rgb = self.model.colour(points, features, directions, linear)
         reads = {"colours": of_samples(rgb), "places": of_samples(order(kept.pieces))}
         return Results("accumulate_in_groups", reads)
 

@@ -168,7 +168,7 @@ def test_programs_are_shipped_under_the_keys_that_are_looked_for(
 
 def test_every_kernel_of_a_frame_is_there() -> None:
     kernels = all_kernels()
-    assert len(kernels) == 45
+    assert len(kernels) == 46
     for kernel, _ in kernels:
         file, _, function = kernel.partition(":")
         module = kernel_module(kernel_folder() / f"{file}.py")

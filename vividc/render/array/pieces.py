@@ -14,6 +14,9 @@ from vividc.render.arrays import Float32Array, Int32Array
 SIDE: Final = 8
 """Pixels of a block's side."""
 RAYS: Final = SIDE * SIDE
+_PLACE_BITS: Final = 10
+"""Of a sample in its piece."""
+_LAST: Final = (1 << _PLACE_BITS) - 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,11 +87,14 @@ class Survivors(Piece):
     ----------
     places
         Which of all samples the piece's are.
+    span
+        The same from the first to the last one that survives.
     weights
         [n] float32, 0 where a colour does not count.
     """
 
     places: slice
+    span: slice
     weights: Float32Array
 
 
@@ -111,16 +117,20 @@ def pieces_of(blocks: Sequence[Sequence[Int32Array]], most: int) -> Iterator[Pie
 
 def survivors_of(
     pieces: Sequence[Piece],
-    counts: Sequence[int],
+    returned: Sequence[int],
     items: Int32Array,
     weights: Float32Array,
 ) -> Iterator[Survivors]:
-    """Yield the survivors of each piece, which are at the head of its places in the arrays."""
+    """Yield the survivors of each piece, which are at the head of its places in the arrays; the
+    kernel that lists them returned how many, and the first's and the last's place.
+    """
     first = 0
-    for piece, count in zip(pieces, counts, strict=True):
+    for piece, word in zip(pieces, returned, strict=True):
+        count, low, high = word >> 2 * _PLACE_BITS, word >> _PLACE_BITS & _LAST, word & _LAST
         head = slice(piece.first, piece.first + count)
+        span = slice(piece.first + low, piece.first + high + (count > 0))
         yield Survivors(
             *(piece.number, piece.first_ray, piece.turn, piece.is_last, first),
-            *(items[head], piece.samples, weights[head]),
+            *(items[head], piece.samples, span, weights[head]),
         )
         first += count

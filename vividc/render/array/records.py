@@ -16,7 +16,7 @@ from vividc.render.array.device.device import Device
 from vividc.render.array.device.launch import Launch, Words
 from vividc.render.array.pieces import RAYS, Piece, Rays, Survivors, total
 from vividc.render.array.steering import LAUNCH_SAMPLES
-from vividc.render.arrays import Float32Array, Int32Array
+from vividc.render.arrays import Float32Array
 
 SomePiece = TypeVar("SomePiece", bound=Piece)
 Column: TypeAlias = Callable[[Any], Words]
@@ -195,23 +195,19 @@ class Listed:
         rays = self.rays
         return {"directions": of_rays(rays.directions), "entries": of_rays(rays.entries)}
 
-    def points(self) -> Float32Array:
+    def points(self, stage: str = "ray marching") -> Float32Array:
         """Return their places [n, 3]."""
-        points = np.zeros((total(self.pieces), 3), dtype=np.float32)
-        self._locate("ray marching", {"points": of_samples(points)}, {"rays": len})
-        return points
+        shared = {"geometry": self.geometry}
+        return self._made(stage, "sample_points", self.of_rays, shared)
 
-    def _locate(
-        self, stage: str, made: Columns, work: Mapping[str, Callable[[Piece], int]] | None = None
-    ) -> None:
-        fields = Fields(
-            reads={**self.of_rays, "items": items},
-            writes=made,
-            shared={"geometry": self.geometry},
-            work=work or {},
-            scalars=lambda piece: {"first_ray": piece.first_ray},
-        )
-        fields.run(self.device, stage, f"{MARCHING}:sample_points", filled(self.pieces))
+    def _made(
+        self, stage: str, kernel: str, of_rays: Columns, shared: Mapping[str, Words]
+    ) -> Float32Array:
+        """Return what a kernel makes of each sample's ray and step, [n, 3]."""
+        out = np.zeros((total(self.pieces), 3), dtype=np.float32)
+        fields = Fields({**of_rays, "items": items}, {"out": of_samples(out)}, shared)
+        fields.run(self.device, stage, f"{MARCHING}:{kernel}", filled(self.pieces))
+        return out
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -237,12 +233,13 @@ class Kept(Listed):
         ends = accumulate((-(-len(piece) // BLOCK) for piece in self.pieces), initial=0)
         return [slice(first, last) for first, last in pairwise(ends)]
 
-    def located(self) -> tuple[Float32Array, Int32Array]:
-        """Return their places [n, 3] and rays [n]; those in a row lie near each other."""
-        points = np.zeros((total(self.pieces), 3), dtype=np.float32)
-        rays = np.zeros(len(points), dtype=np.int32)
-        self._locate(_COMPACTION, {"points": of_samples(points), "rays": of_samples(rays)})
-        return points, rays
+    def located(self) -> tuple[Float32Array, Float32Array]:
+        """Return their places and their rays' directions [n, 3]; those in a row lie near each
+        other.
+        """
+        seen = {"directions": of_rays(self.directions)}
+        directions = self._made(_COMPACTION, "sample_directions", seen, {})
+        return self.points(_COMPACTION), directions
 
     def fill_blocks(
         self,
@@ -259,9 +256,9 @@ class Kept(Listed):
         Parameters
         ----------
         kernel
-            Gets `outputs`, blocks in which samples of a piece are, `first`, which of the first
-            block's samples is the piece's first, `of_rays`, [64, ...] of its rays, `items`, as in
-            kernels/render/marching.py, the scalars, and `out`.
+            Gets `outputs`, the blocks from the piece's first survivor to its last one, `first`,
+            where the piece begins, counted from their first sample, `of_rays`, [64, ...] of its
+            rays, `items`, as in kernels/render/marching.py, the scalars, and `out`.
         outputs
             Of all samples, [B, outputs, 16].
         of_rays
@@ -270,10 +267,9 @@ class Kept(Listed):
         at_once = self._blocks_at_once(*(prod(one.shape[1:]) for one in (outputs, of_rays, out)))
         launches = []
         for piece, blocks in zip(self.pieces, self.blocks, strict=True):
-            before, behind = piece.places.start, piece.places.stop
-            some = outputs[before // BLOCK : -(-behind // BLOCK)]
-            shared = {"outputs": some, "of_rays": of_rays[piece.rays]}
-            given = {"first": before % BLOCK, **scalars}
+            begin, end = piece.span.start // BLOCK, -(-piece.span.stop // BLOCK)
+            shared = {"outputs": outputs[begin:end], "of_rays": of_rays[piece.rays]}
+            given = {"first": piece.places.start - BLOCK * begin, **scalars}
             for start in range(blocks.start, blocks.stop, at_once):
                 end = min(start + at_once, blocks.stop)
                 first = BLOCK * (start - blocks.start)
@@ -288,7 +284,7 @@ class Kept(Listed):
         """Return how many blocks fit twice beside the outputs of two pieces, or of one, each of so
         many words of a block of outputs, of a ray, and of a block that is made.
         """
-        most = max(piece.places.stop - piece.places.start for piece in self.pieces)
+        most = max(piece.span.stop - piece.span.start for piece in self.pieces)
         held = outputs // BLOCK * (most + 2 * BLOCK) + of_ray * RAYS
         fitting = (self.device.fitting(BLOCK + made, n * held, _ARRAYS) for n in (2, 1))
         return max(1, next(filter(None, fitting), 1))

@@ -60,7 +60,10 @@ _OF_ALL_FORMATS: Final = {
         *("marching:transmittance_in_groups", "marching:accumulate_in_groups"),
     ),
     "instant-ngp": ("marching:sample_points",),
-    "tensorf": ("marching:sample_points", "marching:transmittance_of_sums"),
+    "tensorf": (
+        *("marching:sample_points", "marching:sample_directions"),
+        "marching:transmittance_of_sums",
+    ),
 }
 _SPLATS: Final = (
     "splat_project:splat_footprints",

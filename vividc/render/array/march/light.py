@@ -39,8 +39,8 @@ def light_along(
         carries={"left": of_blocks(left)},
         scalars=lambda piece: {"goes_on": int(piece.turn > 0), "keep_all": int(keep_all)},
     )
-    counts = densities.run(device, "transmittance", pieces, fields)
-    return list(survivors_of(pieces, counts, listed, weights_of))
+    returned = densities.run(device, "transmittance", pieces, fields)
+    return list(survivors_of(pieces, returned, listed, weights_of))
 
 
 def picture_of(

@@ -9,7 +9,6 @@ import numpy.typing as npt
 
 from vividc.render.array.device.blocks import BLOCK, batches
 from vividc.render.array.device.device import Device
-from vividc.render.array.device.gather import gather_rows
 from vividc.render.array.models.factors import CHANNELS, KERNELS, channel_pairs, factor_grid
 from vividc.render.array.models.field import ArrayField
 from vividc.render.array.network.calibration import Calibrated, calibrated
@@ -83,10 +82,9 @@ class TensoRFField(ArrayField):
 
     def colours(self, kept: Kept) -> Results:
         """Return what sigmoids make colours of."""
-        net, (points, rays) = self._colour_network, kept.located()
-        directions = gather_rows(self._device, "compaction", kept.directions, [rays])
-        outputs = net.room(len(points))
-        for place, blocks in batches(TENSORF_BATCH, points, directions):
+        net, located = self._colour_network, kept.located()
+        outputs = net.room(len(located[0]))
+        for place, blocks in batches(TENSORF_BATCH, *located):
             outputs[place] = self._colour(*blocks)
         x = blocks_of_samples(net.bits(outputs))
         return Results(net.named("accumulate_sigmoids"), {"x": x}, place_in_block)
