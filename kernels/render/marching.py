@@ -309,8 +309,7 @@ def transmittance_in_groups(
     thickness, places, items, goes_on, limits, keep_all, left, kept_items, weights, count
 ):
     """Light that reaches each sample of a block, whose thickness is at `places`, and the samples
-    that are listed (`list_sample`); returns which (`survivors`); `count` gets how
-    many.
+    that are listed (`list_sample`); returns which (`survivors`), and `count` gets how many.
     """
     begin(left, goes_on)
     listed = np.int32(0)

@@ -41,8 +41,8 @@ NGP_BATCH: Final = 131_072
 many.
 """
 NGP_ROWS: Final = 0.6
-"""Of a scratchpad for the outputs that a piece has, at most: a frame takes 0.4 % more with 0.44, and
-the same with more.
+"""Of a scratchpad for the outputs that a piece has, at most: a frame takes 0.4 % more with 0.44,
+and the same with more.
 """
 TENSORF_BATCH: Final = 65_536
 """The same of TensoRF: with fewer 7.8 frames a second in place of 8.7, when it was chosen."""
