@@ -93,8 +93,6 @@ class Fields:
     ----------
     reads, writes
         Fields that are moved in before, and out after it.
-    count
-        A word in which the kernel leaves how many rows of each of `writes` leave; None: all.
     shared
         Arrays that all launches read.
     holds, carries
@@ -106,17 +104,19 @@ class Fields:
         Other arguments.
     cost
         Of a launch: its samples, and what a launch costs in samples.
+    count
+        A word in which the kernel leaves how many rows of each of `writes` leave; None: all.
     """
 
     reads: Columns
     writes: Columns = field(default_factory=dict)
-    count: str | None = None
     shared: Mapping[str, Words] = field(default_factory=dict)
     holds: Columns = field(default_factory=dict)
     carries: Columns = field(default_factory=dict)
     work: Mapping[str, Callable[[Any], int]] = field(default_factory=dict)
     scalars: Callable[[Any], Mapping[str, object]] = lambda _: {}
     cost: Callable[[Any], int] = lambda piece: len(piece) + LAUNCH_SAMPLES
+    count: str | None = None
 
     def run(self, device: Device, stage: str, kernel: str, pieces: Iterable[Piece]) -> list[int]:
         """Run the kernel once a piece, and return what each run returned."""
