@@ -8,12 +8,13 @@ enough), `functional` (what it computes), `timing/` (when; docs/accelerator.md),
 """
 
 from vividc.launch.accounting import JobStats, TileStats
-from vividc.launch.job import At, Job
+from vividc.launch.job import Job
 from vividc.launch.simulate import JobResult, joined
 from vividc.launch.steps import Listed
 from vividc.launch.tiles.nests import nests_cycles, nests_job, runs_of
 from vividc.launch.tiles.spread import Spread, SpreadOptions, spread
 from vividc.launch.timing.record import Event
+from vividc.sim.placed import At
 
 __all__ = [
     "At",

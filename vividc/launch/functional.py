@@ -9,7 +9,8 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,8 @@ from vividc.sim.engine import Launch, Run
 from vividc.sim.tile import REFERENCE, Tile, shared_tile
 
 Memory = NDArray[np.uint32]
+_NO_MEMORY: Final[Memory] = np.zeros(0, np.uint32)
+"""Of a run that has been taken over: those of all runs of a job would be many."""
 
 
 @dataclass
@@ -235,7 +238,7 @@ class _State:
     def finish(self, number: int, step: Step, run: Run) -> None:
         """Keep what the run stored, which is where it was said to be, or in arrays of its own."""
         assert isinstance(step, Execute)
-        self.outcome.runs[number] = run
+        self.outcome.runs[number] = replace(run, memory=_NO_MEMORY)
         pad, after = self._pads[step.tile].view(np.uint8), run.memory.view(np.uint8)
         own = (step.extents[local.name] for local in step.program.locals)
         for start, end in (*step.stores.values(), *own):

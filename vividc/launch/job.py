@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Mapping as ReadOnly
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import chain
 
 import numpy as np
@@ -21,25 +20,15 @@ from vividc.launch.memory import Buffers
 from vividc.launch.own_arrays import OwnArrays
 from vividc.launch.simulate import JobResult, simulate_steps
 from vividc.launch.steps import Configure, Execute, Listed, Step, Transfer
-from vividc.machine.params import MAX_ELEMENTS
-from vividc.program import WORD_BYTES, Program, pitch_words, pitches_of
+from vividc.program import WORD_BYTES, Program
 from vividc.program.encoder.reflect import reflected_program
-from vividc.sim.bind import refuse_other_sizes, scalar_inputs
-from vividc.sim.footprint.footprint import whole_loop
+from vividc.sim.placed import Signature
 from vividc.sim.run import CYCLE_LIMIT, check_run
 from vividc.sim.tile import AUTO, check_engine
 
 _WHOLE = (int, np.integer)
 _IMAGES: Kept[tuple[Fabric, Fabric, Program]] = Kept(256)
 """Mirrored programs, by program and corner, with the fabrics between which they were mirrored."""
-
-
-@dataclass(frozen=True, slots=True)
-class At:
-    """An array argument of a run: where it lies in the tile's scratchpad, and its shape."""
-
-    address: int
-    shape: tuple[int, ...]
 
 
 class Job:
@@ -64,6 +53,7 @@ class Job:
         self._own = OwnArrays()
         self._held: dict[int, tuple[Program, int]] = {}
         self._images: dict[tuple[int, str], Program] = {}
+        self._signatures: dict[int, Signature] = {}
 
     def __repr__(self) -> str:
         return f"<Job on {self.accelerator.name}: {len(self._steps)} steps>"
@@ -246,14 +236,16 @@ class Job:
         demand_type(tile, (int, np.integer), "a tile", "give a tile's number, as 0")
         demand_type(own_at, (int, type(None)), "own_at", "give a byte of the scratchpad, or None")
         where = self._tiles(tile)
-        inputs, extents = _bound(program, arguments)
+        inputs, extents = self._signature(program).bound(arguments)
         arguments_at = dict(extents)
         own = self._place_own(tile, program, inputs, extents, own_at)
         _refuse_overlap(program, extents)
+        room = self.accelerator.units[tile].scratchpad.size_bytes
         for name, (start, end) in extents.items():
             if start % WORD_BYTES:
                 raise ArgumentError(f"array {name} starts at {start}, not at a multiple of 4")
-            self._fits(start, end - start, where, f"array {name}")
+            if end > room:
+                self._fits(start, end - start, where, f"array {name}")
         for name, (start, end) in arguments_at.items():
             if name in program.loaded_arrays:
                 self._own.demand_kept(tile, start, end, f"{name} of {program.name}")
@@ -261,6 +253,11 @@ class Job:
         for name in program.stored_arrays & arguments_at.keys():
             self._own.refill(where, *arguments_at[name])
         return self.execute(tile, program, inputs, extents, after=after)
+
+    def _signature(self, program: Program) -> Signature:
+        if id(program) not in self._signatures:
+            self._signatures[id(program)] = Signature(program)  # it keeps the id in use
+        return self._signatures[id(program)]
 
     def _place_own(
         self,
@@ -439,44 +436,6 @@ def _array(value: object) -> NDArray[np.generic]:
     return value
 
 
-def _bound(
-    program: Program, arguments: dict[str, object]
-) -> tuple[dict[str, int], dict[str, tuple[int, int]]]:
-    """Launch words, and places of the arrays that are arguments."""
-    scalars = {name: value for name, value in arguments.items() if not isinstance(value, At)}
-    inputs = scalar_inputs(program, scalars)
-    extents: dict[str, tuple[int, int]] = {}
-    shapes: dict[str, Sequence[int]] = {}
-    for param in program.params:
-        if not param.ndim:
-            continue
-        place = arguments.get(param.name)
-        if not isinstance(place, At) or not _is_place(place, param.ndim):
-            raise ArgumentError(
-                f"array {param.name} of {program.name} is given as At(address, shape) with "
-                f"{param.ndim} dimension(s)"
-            )
-        if math.prod([max(size, 1) for size in place.shape]) > MAX_ELEMENTS:
-            raise ArgumentError(f"array {param.name} of {program.name} has shape {place.shape}")
-        size = math.prod(place.shape) * param.dtype.size_bytes
-        extents[param.name] = (place.address, place.address + size)
-        inputs |= _array_words(param.name, place)
-        shapes[param.name] = place.shape
-    inputs |= pitch_words(pitches_of(program.pitches, shapes))
-    refuse_other_sizes(program, inputs)
-    if program.parallel is not None:
-        inputs |= whole_loop(program.parallel, inputs)
-    return inputs, extents
-
-
-def _is_place(place: At, ndim: int) -> bool:
-    """Return whether address and shape are integers, with one size per axis."""
-    if not isinstance(place.shape, tuple | list) or len(place.shape) != ndim:
-        return False
-    sizes = (place.address, *place.shape)
-    return all([isinstance(n, _WHOLE) for n in sizes]) and min(sizes) >= 0
-
-
 def _refuse_overlap(program: Program, extents: ReadOnly[str, tuple[int, int]]) -> None:
     """Refuse arrays that overlap: the compiler orders accesses within each array only."""
     places = sorted((start, end, name) for name, (start, end) in extents.items() if end > start)
@@ -488,8 +447,3 @@ def _refuse_overlap(program: Program, extents: ReadOnly[str, tuple[int, int]]) -
                     "it writes one of them",
                     hint="give them places of their own",
                 )
-
-
-def _array_words(name: str, place: At) -> dict[str, int]:
-    words = {f"{name}.shape{axis}": size for axis, size in enumerate(place.shape)}
-    return {f"&{name}": place.address, **words}

@@ -21,6 +21,7 @@ class Buffers:
 
     def __init__(self) -> None:
         self._roots: list[Array] = []
+        self._lows: list[int] = []
         self._numbers: dict[int, int] = {}
         self._kept: list[Array] = []
         self._bounds: list[tuple[int, int, int]] = []  # first byte, end, number; in order
@@ -55,6 +56,7 @@ class Buffers:
                 )
         number = len(self._roots)
         self._roots.append(root)
+        self._lows.append(low)
         if root.size:
             self._bounds.insert(at, (low, high, number))
         return number
@@ -72,7 +74,7 @@ class Buffers:
         run = view.itemsize
         while axes and (axes[-1][1] == run or axes[-1][0] == 1):
             run *= axes.pop()[0]
-        starts = np.array([self._start(view, number)], dtype=np.int64)
+        starts = np.array([self.start(view, number)], dtype=np.int64)
         for count, stride in axes:
             starts = (starts[:, None] + np.arange(count) * stride).reshape(-1)
         return Pieces(number, _spans(starts, run))
@@ -83,15 +85,14 @@ class Buffers:
         longer than it.
         """
         number, row = self.number(view), view[:1].nbytes
-        firsts = np.flatnonzero(np.diff(indices, prepend=-2) != 1)
-        counts = np.diff(firsts, append=len(indices))
-        starts = self._start(view, number) + row * indices[firsts]
+        firsts = _changes(indices - np.arange(len(indices))).nonzero()[0]
+        counts = _lengths(firsts, len(indices))
+        starts = self.start(view, number) + row * indices[firsts]
         return Pieces(number, _in_granules(starts, row * counts, granule))
 
-    def _start(self, view: Array, number: int) -> int:
-        """The byte of its array at which a view starts."""
-        base = byte_bounds(self._roots[number])[0]
-        return int(view.__array_interface__["data"][0]) - base
+    def start(self, view: Array, number: int) -> int:
+        """The byte of its array, which has this number, at which a view starts."""
+        return int(view.__array_interface__["data"][0]) - self._lows[number]
 
 
 class Working:
@@ -119,8 +120,7 @@ class Working:
             view[...] = self._on_copy(view, self._buffers.number(view))
 
     def _on_copy(self, view: Array, number: int) -> Array:
-        root = self._buffers.root(number)
-        offset = view.__array_interface__["data"][0] - byte_bounds(root)[0]
+        offset = self._buffers.start(view, number)
         return np.ndarray(view.shape, view.dtype, self._copies[number].data, offset, view.strides)
 
 
@@ -152,14 +152,30 @@ def _in_granules(
     alone = inside != (starts + sizes - 1) // granule
     # Each that reaches into another granule is told from all others.
     inside[alone] = -1 - np.flatnonzero(alone)
-    firsts = np.flatnonzero(np.diff(inside, prepend=inside[:1] - 1))
+    changes = _changes(inside)
+    firsts = changes.nonzero()[0]
     together = np.add.reduceat(sizes, firsts) if len(firsts) else sizes
-    joined = np.repeat(together <= granule, np.diff(firsts, append=len(sizes)))
-    firsts = np.flatnonzero(~joined | np.isin(np.arange(len(sizes)), firsts))
+    joined = np.repeat(together <= granule, _lengths(firsts, len(sizes)))
+    firsts = (changes | ~joined).nonzero()[0]
     sums = np.add.reduceat(sizes, firsts) if len(firsts) else sizes
     begins = starts[firsts]
     ends = (begins // granule + 1) * granule
     return _spans(np.where(sums > sizes[firsts], np.minimum(begins, ends - sums), begins), sums)
+
+
+def _changes(values: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Where each of equal values in a row begin."""
+    changes = np.ones(len(values), dtype=np.bool_)
+    np.not_equal(values[1:], values[:-1], out=changes[1:])
+    return changes
+
+
+def _lengths(firsts: NDArray[np.int64], end: int) -> NDArray[np.int64]:
+    """How many there are from each of these to the next, or to the end."""
+    lengths = np.empty(len(firsts), dtype=np.int64)
+    np.subtract(firsts[1:], firsts[:-1], out=lengths[:-1])
+    lengths[-1:] = end - firsts[-1:]
+    return lengths
 
 
 def _spans(starts: NDArray[np.int64], sizes: NDArray[np.int64] | int) -> NDArray[np.int64]:

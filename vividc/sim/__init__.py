@@ -1,8 +1,9 @@
 """Simulation of a program on one tile: engines run its words and count cycles.
 
-In order: `bind` (arguments into memory), `engine` (what an engine is), `reference/` and `native/`,
-`auto` (which of them runs), `accounting` and `stats` (counts), `run`, `tile` (bound once, run
-often); `footprint/` (bytes of a loop), `cost/` (energy and area), `view/` (traces and pictures).
+In order: `bind` (arguments into memory), `placed` (arrays that are there already), `engine` (what
+an engine is), `reference/` and `native/`, `auto` (which of them runs), `accounting` and `stats`
+(counts), `run`, `tile` (bound once, run often); `footprint/` (bytes of a loop), `cost/` (energy and
+area), `view/` (traces and pictures).
 """
 
 from vividc.sim.engine import Activity, Engine, EngineFactory, Launch, Progress, RegionRun, Run

@@ -153,7 +153,7 @@ def arguments(
             if not param.flat:
                 inputs.update({f"{param.name}.shape{k}": n for k, n in enumerate(array.shape)})
         else:
-            inputs.update(_scalar_words(param, values[param.name]))
+            inputs.update(scalar_words(param, values[param.name]))
     for param in program.params:
         if param.made:
             arrays[param.name] = _made(param, inputs, values)
@@ -205,27 +205,14 @@ def _launched(param: Param, inputs: Mapping[str, int]) -> tuple[int, ...] | int:
     return int(returned(param.dtype, sum(w << WORD_BITS * n for n, w in enumerate(words))))
 
 
-def scalar_inputs(program: Program, values: Mapping[str, object]) -> dict[str, int]:
-    """The launch words of the scalar parameters.
+def scalar_words(param: Param, value: object) -> dict[str, int]:
+    """The launch words of a scalar parameter.
 
     Raises
     ------
     ArgumentError
-        A scalar is missing, surplus, of the wrong kind or out of range.
+        The value is of the wrong kind or out of range.
     """
-    scalars = [param for param in program.params if not param.ndim]
-    missing = [param.name for param in scalars if param.name not in values]
-    surplus = sorted(set(values) - {param.name for param in scalars})
-    if missing or surplus:
-        what = f"misses {', '.join(missing)}" if missing else f"has no scalar {surplus[0]!r}"
-        raise ArgumentError(f"{program.name} {what}")
-    inputs: dict[str, int] = {}
-    for param in scalars:
-        inputs.update(_scalar_words(param, values[param.name]))
-    return inputs
-
-
-def _scalar_words(param: Param, value: object) -> dict[str, int]:
     return param.words_of(_scalar(param, value))
 
 

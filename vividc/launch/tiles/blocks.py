@@ -4,9 +4,11 @@ array it needs.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,7 +58,7 @@ class Window:
     @property
     def words(self) -> int:
         """Words in a scratchpad."""
-        return int(np.prod([end - start for start, end in self.box]))
+        return math.prod([end - start for start, end in self.box])
 
     def offset(self, box: Box) -> tuple[int, int]:
         """First byte and end, from the window's, of a box in it."""
@@ -86,7 +88,12 @@ class BlockPlan:
 
     def place(self, slack: int) -> int:
         """Bytes of a block's windows, with `slack` bytes more for each array."""
-        return max((_bytes_of(one, slack) for one in self.windows), default=0)
+        return max((size + count * slack for size, count in self._sizes), default=0)
+
+    @cached_property
+    def _sizes(self) -> frozenset[tuple[int, int]]:
+        """Bytes and number of the windows of blocks."""
+        return frozenset((_bytes_of(one, 0), len(one)) for one in self.windows)
 
     def need(self, slack: int) -> int:
         """Bytes of a scratchpad, with `slack` bytes more for each array."""
@@ -174,8 +181,8 @@ class NestLaunch:
 
     def _channel(self, name: str, box: Box) -> int:
         whole = len(box) == 1 or box[-1] == (0, self.arrays[name].shape[-1])
-        rows = 1 if whole else int(np.prod([b - a for a, b in box[:-1]]))
-        size = WORD_BYTES * int(np.prod([b - a for a, b in box])) // max(rows, 1)
+        rows = 1 if whole else math.prod([b - a for a, b in box[:-1]])
+        size = WORD_BYTES * math.prod([b - a for a, b in box]) // max(rows, 1)
         start = 0 if whole else WORD_BYTES * box[-1][0]
         return rows * self.machine.dram.cycles(start, start + size)
 

@@ -9,14 +9,11 @@ from itertools import count
 from threading import Lock
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from vividc.host import cache
 from vividc.program import Program
 from vividc.sim.native.compiler import Native, host, loaded, object_code
 from vividc.sim.native.module import Plan, module_text, plan, spill_words
-from vividc.sim.native.state import image
+from vividc.sim.native.state import Blank
 
 _KEPT: Final = 256
 _KIND: Final = "engine"
@@ -32,11 +29,11 @@ class Compiled:
     Attributes
     ----------
     blank
-        Words of the context (see `layout`), and the image of the constant stores.
+        Makes the state at a launch.
     """
 
     plan: Plan
-    blank: tuple[int, NDArray[np.uint32]]
+    blank: Blank
     native: Native
 
 
@@ -50,7 +47,7 @@ def compiled(program: Program) -> Compiled:
     text = module_text(program, planned)
     key = sha256(f"{host()}\n{text}".encode()).hexdigest()
     words = planned.layout.spill + spill_words(planned, program.fabric.scratchpad.banks)
-    return Compiled(planned, (words, image(program)), _native(key, text))
+    return Compiled(planned, Blank(program, planned.layout, words), _native(key, text))
 
 
 def _native(key: str, text: str) -> Native:

@@ -18,14 +18,12 @@ from vividc.sim.native.fallback import Fallback
 from vividc.sim.native.plan.counts import Sums, Totals
 from vividc.sim.native.plan.layout import Place, Status
 from vividc.sim.native.spans import Spans
-from vividc.sim.native.state import MachineState, initial_state
+from vividc.sim.native.state import NEVER, MachineState
 from vividc.sim.reference.engine import ReferenceEngine, returned
 
 CYCLES_A_CALL: Final = 4_000_000
 """Cycles between two looks at interrupts and progress: at most some tenths of a second."""
 ENTRIES_A_CALL: Final = 1_000_000
-_NEVER: Final = (1 << 62) - 1
-_MODULUS: Final = 1 << 32
 
 
 class NativeEngine:
@@ -44,18 +42,9 @@ class NativeEngine:
 
     def run(self, launch: Launch) -> Run:
         """Run the program once (see `Engine.run`)."""
-        if not _takes(self._program, launch):
+        if sys.byteorder != "little" or not self._compiled.blank.takes(launch):
             return ReferenceEngine(self._program).run(launch)
         return _Running(self._program, self._compiled, self._fallback, launch).run()
-
-
-def _takes(program: Program, launch: Launch) -> bool:
-    """Whether native code can take a launch: `simulate` makes no others."""
-    size = program.fabric.scratchpad.size_bytes
-    inside = all(0 <= first <= end <= size for first, end in launch.extents.values())
-    words = all(0 <= launch.inputs[row.key] < _MODULUS for row in program.launch)
-    fits = launch.memory.nbytes == size and 0 <= launch.cycle_limit < _NEVER
-    return inside and words and fits and sys.byteorder == "little"
 
 
 class _Running:
@@ -72,7 +61,7 @@ class _Running:
         self._state = self._initial()
 
     def _initial(self) -> MachineState:
-        state = initial_state(self._program, self._code.plan.layout, self._code.blank, self._launch)
+        state = self._code.blank.state(self._launch)
         state.context[Place.TABLES] = self._code.plan.table_words.ctypes.data
         return state
 
@@ -107,7 +96,7 @@ class _Running:
     def _call(self, state: MachineState, cycles: int, entries: int) -> Status:
         context = state.context
         context[Place.BUDGET] = state.now + cycles
-        context[Place.ENTRY_STOP] = min(int(context[Place.ENTRIES]) + entries, _NEVER)
+        context[Place.ENTRY_STOP] = min(int(context[Place.ENTRIES]) + entries, NEVER)
         return Status(self._code.native(*state.pointers))
 
     def _before_fault(self, state: MachineState) -> MachineState:

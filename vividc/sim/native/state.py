@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vividc.machine.words import WORD_MASK
 from vividc.program import Home, Program
 from vividc.program.dataflow import Constant
 from vividc.sim.engine import Launch
 from vividc.sim.native.plan.layout import BITS, MEMORY_SLACK_BYTES, Layout, Place
 
 _SLACK = MEMORY_SLACK_BYTES // 4
+NEVER: Final = (1 << 62) - 1
+"""A cycle that no run reaches."""
 
 
 @dataclass
@@ -66,36 +70,44 @@ class MachineState:
         return MachineState(self.context.copy(), self.constants.copy(), self.memory.copy())
 
 
-def image(program: Program) -> NDArray[np.uint32]:
-    """Constant stores before the launch words."""
-    return np.where(program.images_set, program.images, 0).astype(np.uint32).reshape(-1)
-
-
-def initial_state(
-    program: Program,
-    layout: Layout,
-    blank: tuple[int, NDArray[np.uint32]],
-    launch: Launch,
-) -> MachineState:
-    """The tile as the host leaves it at a launch.
+class Blank:
+    """What is the same in all launches of a program.
 
     Parameters
     ----------
-    blank
-        Words of the context, and the image of the constant stores.
+    words
+        Of the context (see `layout`).
     """
-    context = np.zeros(blank[0], np.int64)
-    context[Place.CYCLE_LIMIT] = launch.cycle_limit
-    everywhere = (0, program.fabric.scratchpad.size_bytes)
-    words: list[int] = []
-    for name in layout.arrays:
-        first, end = launch.extents.get(name, everywhere)
-        size = end - first
-        words += (first, size, max(0, size - 1), max(0, size - 3))
-    context[layout.extents : layout.extents + len(words)] = words
-    constants = blank[1].copy()
-    places = [row.pe * layout.entries + row.entry for row in program.launch]
-    constants[places] = [launch.inputs[row.key] for row in program.launch]
-    memory = np.zeros(launch.memory.size + _SLACK, np.uint32)
-    memory[:-_SLACK] = launch.memory
-    return MachineState(context, constants, memory)
+
+    def __init__(self, program: Program, layout: Layout, words: int) -> None:
+        self._layout, self._words = layout, words
+        self._everywhere = (0, program.fabric.scratchpad.size_bytes)
+        self._image = np.where(program.images_set, program.images, 0).astype(np.uint32).reshape(-1)
+        self._keys = [row.key for row in program.launch]
+        places = [row.pe * layout.entries + row.entry for row in program.launch]
+        self._places = np.array(places, dtype=np.int64)
+
+    def takes(self, launch: Launch) -> bool:
+        """Whether native code can take a launch: `simulate` makes no others."""
+        size = self._everywhere[1]
+        words = [0, *map(launch.inputs.__getitem__, self._keys)]
+        inside = all([0 <= first <= end <= size for first, end in launch.extents.values()])
+        fits = launch.memory.nbytes == size and 0 <= launch.cycle_limit < NEVER
+        return inside and min(words) >= 0 and max(words) <= WORD_MASK and fits
+
+    def state(self, launch: Launch) -> MachineState:
+        """The tile as the host leaves it at a launch."""
+        context = np.zeros(self._words, np.int64)
+        context[Place.CYCLE_LIMIT] = launch.cycle_limit
+        words: list[int] = []
+        for name in self._layout.arrays:
+            first, end = launch.extents.get(name, self._everywhere)
+            size = end - first
+            words += (first, size, max(0, size - 1), max(0, size - 3))
+        start = self._layout.extents
+        context[start : start + len(words)] = words
+        constants = self._image.copy()
+        constants[self._places] = [*map(launch.inputs.__getitem__, self._keys)]
+        memory = np.empty(launch.memory.size + _SLACK, np.uint32)
+        memory[:-_SLACK], memory[-_SLACK:] = launch.memory, 0
+        return MachineState(context, constants, memory)
