@@ -112,7 +112,7 @@ def cell_of(x, y, z, level):
     i = np.uint32(np.int32(x * level[0] + level[1]))
     j = np.uint32(np.int32(y * level[0] + level[2]))
     k = np.uint32(np.int32(z * level[0] + level[3]))
-    cell = i | (j << TEN) | (k << np.uint32(20))
+    cell = np.uint32(i | (j << TEN) | (k << np.uint32(20)))
     return cell, np.uint32(cell * SPREAD) >> NOT_PLACES
 
 
