@@ -29,7 +29,7 @@ _SIZES: Final[dict[str, tuple[str, ...]]] = {
         *("PARTS_OF_A_SHARE", "WORTH_CUTTING"),
     ),
     "kilonerf": (*_NERF, "GROUPED"),
-    "instant-ngp": (*_NERF, "NGP_ROWS"),
+    "instant-ngp": _NERF,
     "tensorf": (*_NERF, "SAMPLES_A_CELL"),
 }
 _SIDE: Final = 800

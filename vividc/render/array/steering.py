@@ -19,7 +19,7 @@ loops have to fill. Of `mic` there is room for no more than four.
 """
 LEAST_PARTS: Final = 3
 """Of those steps that there is room to list samples of, as a launch that goes on waits for all
-others: with 2 marching takes 12 % more for Instant-NGP and 14 % for TensoRF, where it then looks at
+others: with 2 marching takes 14 % more for Instant-NGP and 8 % for TensoRF, where it then looks at
 eight steps.
 """
 LAUNCH_SAMPLES: Final = 40
@@ -39,10 +39,6 @@ take the host seconds to make.
 NGP_BATCH: Final = 131_072
 """Samples of Instant-NGP that go through its stages together: a frame takes 1.1 % more with half as
 many.
-"""
-NGP_ROWS: Final = 0.6
-"""Of a scratchpad for the outputs that a piece has, at most: a frame takes 0.4 % more with 0.44,
-and the same with more.
 """
 TENSORF_BATCH: Final = 65_536
 """The same of TensoRF: with fewer 7.8 frames a second in place of 8.7, when it was chosen."""

@@ -6,7 +6,6 @@ from typing import Final
 
 import numpy as np
 
-from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.blocks import BLOCK, batches, in_blocks, run_blocks
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.launch import Words
@@ -15,6 +14,7 @@ from vividc.render.array.models.hash_encoding import hash_encoding
 from vividc.render.array.network.calibration import Calibrated, calibrated
 from vividc.render.array.network.networks import dense_layers, network
 from vividc.render.array.options import RenderPrecision
+from vividc.render.array.pieces import RAYS
 from vividc.render.array.records import (
     Kept,
     Listed,
@@ -23,13 +23,17 @@ from vividc.render.array.records import (
     of_pieces,
     place_in_block,
 )
-from vividc.render.array.steering import NGP_BATCH, NGP_ROWS
+from vividc.render.array.steering import NGP_BATCH
 from vividc.render.arrays import Float32Array
 from vividc.render.radiance import InstantNGP
 from vividc.render.radiance.instant_ngp import DIRECTION_TERMS
 
 _LANES: Final = 4
 """Numbers of float8 in a word."""
+_BLOCKS: Final = 2
+"""That a launch makes inputs of, at least, if a piece has as many samples as fit."""
+_ARRAYS: Final = 6
+"""Of such a launch, and of the next one."""
 _KERNELS: Final = "render/instant_ngp"
 
 
@@ -69,11 +73,19 @@ class InstantNGPField(ArrayField):
         swapped = np.pad(swapped, ((0, missing), (0, 0)))
         layers = dense_layers([swapped, *others], rgb.biases)
         self._colour_network = network(layers, precision, rgb.largest)
-        words, width = device.scratchpad_bytes // WORD_BYTES, self._density_network.outputs
-        self.most_samples = min(self.most_samples, int(NGP_ROWS * words) // width)
-        self._outputs = np.zeros((0, width, BLOCK), dtype=np.float32)
+        self._terms = DIRECTION_TERMS // (_LANES if is_fp8 else 1)
+        self.most_samples = min(self.most_samples, self._samples_that_fit(device))
+        self._outputs = self._density_network.room(0)
         for net in (self._density_network, self._colour_network):
             net.mode(device)
+
+    def _samples_that_fit(self, device: Device) -> int:
+        """Return how many samples of a piece fit, by their outputs, beside what launches make of
+        some blocks of them.
+        """
+        width, made = self._density_network.outputs, self._colour_network.empty(2 * _BLOCKS)
+        held = 2 * BLOCK * width + RAYS * self._terms + made.size + 2 * _BLOCKS * BLOCK
+        return max(BLOCK, device.fitting(width, held, _ARRAYS, copies=1))
 
     def densities(self, listed: Listed) -> Results:
         """Return the exponents of densities, the first outputs of their network; all stay here."""
@@ -112,8 +124,7 @@ class InstantNGPField(ArrayField):
         """Return the directions' terms [R, 16], or words of four of them [R, 4]."""
         net, blocks = self._colour_network, in_blocks(directions)
         kernel = net.named(f"{_KERNELS}:directions")
-        terms = DIRECTION_TERMS // (_LANES if net.is_fp8 else 1)
-        out = net.bits(np.empty((*blocks.shape[:2], terms), np.float32))
+        out = net.bits(np.empty((*blocks.shape[:2], self._terms), np.float32))
         given, made = {"directions": blocks}, {"out": out}
         run_blocks(self._device, "direction encoding", kernel, given, made, net.scaling)
-        return out.reshape(-1, terms)
+        return out.reshape(-1, self._terms)
