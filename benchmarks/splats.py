@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import resource
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import takewhile
 from pathlib import Path
+
+import numpy as np
 
 from vividc.errors import SourceLoc
 from vividc.render import (
@@ -50,7 +52,12 @@ EXP_OPERATIONS = 14
 _ROOT = Path(__file__).resolve().parents[1]
 _MIC = _ROOT / "scenes" / "mic"
 _SHARED = _ROOT.parent / "shared" / "scenes"
-_SIZES = (200, 400, 800)
+_SIZES = (100, 200, 400, 800)
+_BEST: tuple[Culling, ...] = ("pixels",)
+_COPIES = 32
+"""Of the Gaussians of `mic`: half a million."""
+_APART = 0.01
+"""Standard deviation of copies' places, in units of the world."""
 _ORBIT = (30.0, 20.0, "-y", 800, 800)
 
 
@@ -61,6 +68,8 @@ def rows(accelerator: str) -> Iterator[str]:
     view = read_views(_MIC / "ref_gs.npz")[0].camera
     for size in _SIZES:
         yield from _rows_of("mic, view 0", mic, scaled_camera(view, size, size), device)
+    many = scaled_camera(view, _SIZES[-1], _SIZES[-1])
+    yield from _rows_of(f"mic {_COPIES} times, view 0", crowded(mic, _COPIES), many, device, _BEST)
     for file in sorted((_SHARED / "playbot").glob("*.npz")):
         _, scene = read_scene(file)
         yield from _rows_of(file.stem, scene, orbit_camera(scene, *_ORBIT), device)
@@ -69,13 +78,33 @@ def rows(accelerator: str) -> Iterator[str]:
     yield from _loops(device)
 
 
-def _rows_of(name: str, scene: object, camera: Camera, device: Device) -> Iterator[str]:
+def crowded(scene: Gaussians, copies: int) -> Gaussians:
+    """Copies of a scene's Gaussians near each other, together as much volume as before."""
+    rng = np.random.default_rng(0)
+    means = np.concatenate([scene.means] * copies)
+    others = (
+        scene.scales * np.float32(copies ** (-1 / 3)),
+        scene.rotations,
+        scene.opacity,
+        scene.sh,
+    )
+    moved = means + rng.normal(0, _APART, means.shape).astype(np.float32)
+    return Gaussians(moved, *(np.concatenate([column] * copies) for column in others))
+
+
+def _rows_of(
+    name: str,
+    scene: object,
+    camera: Camera,
+    device: Device,
+    cullings: Sequence[Culling] = CULLINGS,
+) -> Iterator[str]:
     """Yield a row for each kind of culling."""
     if not isinstance(scene, Gaussians):
         yield f"| {name} | no Gaussians |"
         return
     reference = render_reference(scene, camera).image
-    for culling in CULLINGS:
+    for culling in cullings:
         render_splats(_few(scene), camera, device=device, culling=culling)  # compiles the kernels
         began = time.perf_counter()
         frame = render_splats(scene, camera, device=device, culling=culling)

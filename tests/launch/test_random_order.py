@@ -7,6 +7,7 @@ from __future__ import annotations
 from itertools import combinations, pairwise
 
 import numpy as np
+import pytest
 
 from vividc.launch.flat import flat
 from vividc.launch.hazards.races import first_race
@@ -56,3 +57,25 @@ def test_races_are_found_where_the_definition_says() -> None:
         assert race in wrong if wrong else race is None
         outcomes.append(bool(wrong))
     assert 20 < sum(outcomes) < 130
+
+
+@pytest.mark.parametrize("missing", [None, 0, 200, 499])
+def test_a_write_waits_for_each_of_many_reads(missing: int | None) -> None:
+    """More steps that wait for none than there are chains at first, and other bytes beside."""
+    reads = [(0, 0, 8, step, False) for step in range(500)]
+    waits: list[tuple[int, ...]] = [()] * 500
+    waits += [tuple(step for step in range(500) if step != missing), (500,)]
+    uses = [*reads, (0, 4, 16, 500, True), (0, 8, 12, 501, True)]
+    race = first_race(np.array(uses, dtype=np.int64), *flat(waits))
+    assert race == (None if missing is None else (missing, 500, 0))
+
+
+def test_many_steps_that_follow_each_other_take_little_memory() -> None:
+    """A bit for each pair of them would be 1.25 GB."""
+    count = 100_000
+    uses = np.array([(0, 0, 64 + step % 7, step, step % 3 == 0) for step in range(count)], np.int64)
+    begin = np.concatenate(([0], np.arange(count)))
+    assert first_race(uses, begin, np.arange(count - 1)) is None
+    cut = np.arange(count - 1)
+    cut[70_000] = 69_000  # waits for an earlier step
+    assert first_race(uses, begin, cut) is not None
