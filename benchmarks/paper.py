@@ -27,8 +27,8 @@ SIZES: Final = (200, 400, 800)
 NOTES: Final = (
     f"Each frame has a process of its own; rows are kept in `{ROWS}` and not measured again:",
     "delete them after a change of the renderers. `vivid`, 16 tiles at 1 GHz; every stage on the",
-    "array. Float32 frames of ray-marched methods are of an earlier day than those in FP8, and of",
-    "these only Table 2's have fitted weights: `stages.md` has the whole frames with them.",
+    "array. Whole float32 frames of ray-marched methods are of an earlier day than the others of",
+    "800x800.",
     "",
     "PSNR is the mean over the views, of the clipped pictures against photographs, as they are",
     "against float32 on the host. The array renders three of the held-out photographs' views (25",
@@ -41,8 +41,9 @@ NOTES: Final = (
     "photographs.",
     "",
     "Frames a second, cycles and energy are of whole frames: of a stage that is sampled each block",
-    "counts as the average. `host s` are those of the simulated share, with compiled kernels at",
-    "hand. In partitioned mode a network runs in whichever mode takes fewest cycles, in unified",
+    "counts as the average, and at 800x800 what jobs take to begin and end is counted once a",
+    "batch. `host s` are those of the simulated share, with compiled kernels at hand. In",
+    "partitioned mode a network runs in whichever mode takes fewest cycles, in unified",
     "mode in that one or in GPU-like mode; 3DGS and KiloNeRF know GPU-like mode alone.",
 )
 _TABLE_2: Final = {"array": "partitioned mode", "lookahead": "lookahead", "FP8": "FP8"}
