@@ -290,10 +290,11 @@ def list_sample(sample, thickness, items, limits, keep_all, left, kept_items, we
 
 
 @numba.njit
-def survivors(listed, kept_items):
-    """How many samples are listed << 20 | the place of the first in its launch << 10 | the last's,
-    or 0.
+def survivors(listed, kept_items, count):
+    """Leave in `count` how many samples are listed, and return that << 20 | the place of the first
+    in its launch << 10 | the last's, or 0.
     """
+    count[0] = listed
     if listed == 0:
         return np.int32(0)
     first = np.uint32(kept_items[0]) >> PLACE
@@ -309,7 +310,7 @@ def transmittance_in_groups(
     thickness, places, items, goes_on, limits, keep_all, left, kept_items, weights, count
 ):
     """Light that reaches each sample of a block, whose thickness is at `places`, and the samples
-    that are listed (`list_sample`); returns which (`survivors`), and `count` gets how many.
+    that are listed (`list_sample`); returns which (`survivors`).
     """
     begin(left, goes_on)
     listed = np.int32(0)
@@ -318,8 +319,7 @@ def transmittance_in_groups(
             *(sample, thickness[np.uint32(places[sample])], items, limits, keep_all),
             *(left, kept_items, weights, listed),
         )
-    count[0] = listed
-    return survivors(listed, kept_items)
+    return survivors(listed, kept_items, count)
 
 
 @vividc.kernel(
@@ -339,8 +339,7 @@ def transmittance_of_exponents(
         listed = list_sample(
             sample, thickness, items, limits, keep_all, left, kept_items, weights, listed
         )
-    count[0] = listed
-    return survivors(listed, kept_items)
+    return survivors(listed, kept_items, count)
 
 
 @vividc.kernel(
@@ -359,8 +358,7 @@ def transmittance_of_exponents_fp8(
         listed = list_sample(
             sample, thickness, items, limits, keep_all, left, kept_items, weights, listed
         )
-    count[0] = listed
-    return survivors(listed, kept_items)
+    return survivors(listed, kept_items, count)
 
 
 @vividc.kernel(
@@ -385,8 +383,7 @@ def transmittance_of_sums(
         listed = list_sample(
             sample, thickness, items, limits, keep_all, left, kept_items, weights, listed
         )
-    count[0] = listed
-    return survivors(listed, kept_items)
+    return survivors(listed, kept_items, count)
 
 
 @numba.njit

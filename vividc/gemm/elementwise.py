@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from vividc import arch
 from vividc.arch.fabric import Fabric
 from vividc.dfg.builder import GraphBuilder, Operand
 from vividc.dfg.ir import DFG, Node
@@ -155,10 +156,12 @@ def elementwise_program(kind: Apart, tile_bytes: int) -> Program:
 
 
 def loop_program(
-    name: str, graph: DFG, params: tuple[Param, ...], tile_bytes: int = 1 << 15
+    name: str, graph: DFG, params: tuple[Param, ...], tile_bytes: int | None = None
 ) -> Program:
-    """The program of one loop of n iterations on a tile with a scratchpad of so many bytes."""
-    fabric = sized("vivid-tile", tile_bytes)
+    """The program of one loop of n iterations on a tile; `tile_bytes`: of its scratchpad, if it has
+    another size than vivid-tile's.
+    """
+    fabric = arch.load_tile("vivid-tile") if tile_bytes is None else sized("vivid-tile", tile_bytes)
     loop = optimize(graph)
     result = _mapped(loop, fabric)
     if result.mapping is None:

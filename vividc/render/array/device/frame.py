@@ -128,7 +128,8 @@ class ArrayFrame:
         Share of the blocks that were simulated; below 1 the other pixels are white, and cycles
         are of the simulated blocks only.
     batches
-        Of the whole frame, over those that were simulated: each has the same jobs.
+        How much of `Stage.cold` the whole frame has, over what was simulated: as many times as it
+        has batches; of 3DGS, where a job is shared out whole, the square root of the screen tiles.
     simulated
         [height, width] bool: pixels of those blocks; None: all.
     late
