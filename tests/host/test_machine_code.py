@@ -108,6 +108,12 @@ def mixed(numbers: Ints, count: int) -> int:
 
 
 @compiled
+def bits_of(number: int) -> int:
+    """Of a number, and the lowest that is set."""
+    return 100 * number.bit_length() + (number & -number).bit_length()
+
+
+@compiled
 def is_ascending(numbers: Ints) -> bool:
     """With a return in a loop."""
     for at in range(len(numbers) - 1):  # noqa: SIM110 # generators are not compiled
@@ -146,6 +152,11 @@ def test_integers_wrap_and_shift_with_their_sign() -> None:
         state = (state * 6364136223846793005 + 1442695040888963407 + 2**63) % 2**64 - 2**63
     assert mixed(numbers, 5) == state >> 33
     assert numbers[0] == state
+
+
+@pytest.mark.parametrize("number", [0, 1, 6, -6, 255, -256, 1 << 40, (1 << 62) + 8, -(1 << 62)])
+def test_bits_are_counted_as_python_does(number: int) -> None:
+    assert bits_of(number) == python(bits_of)(number)
 
 
 def test_results_are_of_their_type() -> None:

@@ -14,13 +14,22 @@ from vividc.mapper.bounds.bounds import all_bounds, mii
 from vividc.mapper.engines.negotiate.anneal import State, anneal, new_heat
 from vividc.mapper.engines.negotiate.arrays import Task, build_task
 from vividc.mapper.engines.negotiate.frame import Frame
-from vividc.mapper.engines.negotiate.motion import LATES, cost_all, new_motion
+from vividc.mapper.engines.negotiate.motion import (
+    LATES,
+    STALL,
+    begin,
+    cost_all,
+    meeting_cost,
+    new_motion,
+    put,
+)
 from vividc.mapper.engines.negotiate.places import (
+    MET,
     Places,
     early,
     enter,
     excess,
-    lie,
+    lie_all,
     new_places,
 )
 from vividc.mapper.engines.negotiate.traffic import OVER, new_graph, new_scratch, new_traffic
@@ -34,38 +43,48 @@ from vividc.mapper.engines.negotiate.words import (
     withdraw,
 )
 from vividc.mapper.problem import MapProblem
+from vividc.mapper.resources.arrays import ints
+from vividc.mapper.resources.banks import NO_MEETINGS, Meetings
 from vividc.mapper.resources.dependences import dependences, earliest_starts
 from vividc.mapper.resources.mrrg import build_mrrg
 
 MOVES = 60_000
 
 
-def annealed(name: str, seed: int, more: int, moves: int = MOVES) -> tuple[MapProblem, Task, State]:
-    """A state in the middle of annealing, all words shown."""
+def annealed(
+    name: str, seed: int, more: int, moves: int = MOVES, *, meets: bool = False
+) -> tuple[MapProblem, Task, State]:
+    """A state in the middle of annealing, all words shown; `meets`: some nodes that start in one
+    slot meet in a bank, more of them than one number has bits for.
+    """
     fabric = arch.load(name)
     assert isinstance(fabric, Fabric)
-    problem = MapProblem(random_loop(seed, 24, (8, 2, 0)), fabric)
+    problem = MapProblem(random_loop(seed, 44 if meets else 24, (8, 2, 0)), fabric)
     ii = mii(all_bounds(problem)) + more
     placed = [node.id for node in problem.dfg.placed]
     start = earliest_starts(placed, dependences(problem.dfg, fabric), ii)
     assert start is not None
-    frame = Frame(start, dict.fromkeys(placed, max(start.values()) + 2 * ii))
+    latest = dict.fromkeys(placed, max(start.values()) + 2 * ii)
+    frame = Frame(start, latest, _meetings(placed) if meets else NO_MEETINGS)
     task, ids = build_task(problem, ii, frame, build_mrrg(fabric))
     places, words = new_places(task, seed + 1), new_words(task)
-    for node, number in enumerate(ids):
-        lie(places, ii, node, int(task.nodes.pe_items[task.nodes.pe_begin[node]]), start[number])
-        enter(task.nodes, task.array, places, node, 1)
+    pes = task.nodes.pe_items[task.nodes.pe_begin[:-1]]
+    lie_all(task, places, pes, ints(start[number] for number in ids))
     state = State(places, words, new_motion(task, words))
     show_all(task, places, words)
     anneal(task, state, new_heat(20.0, 0.2, moves), moves)
     return problem, task, state
 
 
+def _meetings(placed: list[int]) -> Meetings:
+    accesses = tuple(placed[:40])
+    drawn = np.random.default_rng(5).random((len(accesses), len(accesses), 3))
+    return Meetings(accesses, 0.1 * drawn)
+
+
 def counted_anew(task: Task, state: State) -> Places:
     fresh = new_places(task, 1)
-    for node in range(len(task.nodes.latency)):
-        lie(fresh, task.array.ii, node, state.places.pe[node], state.places.time[node])
-        enter(task.nodes, task.array, fresh, node, 1)
+    lie_all(task, fresh, state.places.pe, state.places.time)
     if task.array.moves:
         for word in range(len(state.words.size)):
             claim_again(task, fresh, state.words, word)
@@ -79,6 +98,37 @@ def test_what_is_claimed_is_what_lies_there(name: str, seed: int) -> None:
     fresh = counted_anew(task, state)
     for part in ("slot", "counts", "over", "held", "stored"):
         assert np.array_equal(getattr(state.places, part), getattr(fresh, part)), part
+
+
+def test_accesses_that_meet_are_those_of_one_slot() -> None:
+    _, task, state = annealed("mesh-3x3", 2, 0, meets=True)
+    nodes, slots = task.meets.node.tolist(), state.places.slot.tolist()
+    assert len(nodes) > MET
+    for slot, words in enumerate(state.places.met.tolist()):
+        bits = [word >> bit & 1 for word in words for bit in range(MET)]
+        met = {access for access, bit in enumerate(bits) if bit}
+        assert met == {access for access, node in enumerate(nodes) if slots[node] == slot}
+
+
+@pytest.mark.parametrize("moved", [(0,), (3, 35), (35, 36, 1)])
+def test_a_move_costs_what_its_accesses_meet(moved: tuple[int, ...]) -> None:
+    """Each pair once, by the stages between its two."""
+    _, task, state = annealed("mesh-3x3", 3, 0, moves=500, meets=True)
+    places, motion, meets, ii = state.places, state.motion, task.meets, task.array.ii
+    begin(motion)
+    for access in moved:
+        node = meets.node[access]
+        put(task.array, motion, node, int(places.pe[node]), int(places.time[node]))
+    met = 0.0
+    for first in moved:
+        for other, node in enumerate(meets.node.tolist()):
+            one, is_again = meets.node[first], other in moved and other < first
+            if other == first or is_again or places.slot[node] != places.slot[one]:
+                continue
+            apart = (places.time[one] - places.time[node]) // ii
+            met += meets.stalls[first, other, 1 + min(max(apart, -1), 1)]
+    assert meeting_cost(task, places, motion) == pytest.approx(STALL * met)
+    assert met
 
 
 @pytest.mark.parametrize("name", ["openedge-3x3", "mesh-3x3"])

@@ -311,6 +311,8 @@ class Expressions:
     # --- calls ---
 
     def _call(self, node: ast.Call) -> Value:
+        if isinstance(node.func, ast.Attribute) and node.func.attr == "bit_length":
+            return self._bit_length(self.value(node.func.value))
         called = self.static(node.func)
         if isinstance(called, type) and hasattr(called, "_fields"):
             record = type_of(called)
@@ -369,6 +371,13 @@ class Expressions:
         if called is int:
             return self.body.converted(value, INT)
         raise TypeError(f"a call of {called!r}")
+
+    def _bit_length(self, value: Value) -> Value:
+        """Bits of an integer without its sign."""
+        text = self.body.converted(value, INT).text
+        size = self.body.new(f"call i64 @llvm.abs.i64(i64 {text}, i1 false)")
+        free = self.body.new(f"call i64 @llvm.ctlz.i64(i64 {size}, i1 false)")
+        return Value(INT, (self.body.new(f"sub i64 64, {free}"),))
 
     def _chosen(self, given: list[Value], op: ast.cmpop) -> Value:
         """The first of the least or greatest."""

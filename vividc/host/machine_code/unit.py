@@ -19,6 +19,8 @@ _Function = TypeVar("_Function", bound=Callable[..., object])
 
 _DECLARATIONS: Final = """declare double @llvm.log.f64(double)
 declare double @llvm.exp.f64(double)
+declare i64 @llvm.abs.i64(i64, i1)
+declare i64 @llvm.ctlz.i64(i64, i1)
 !0 = !{}
 """
 _OUTSIDE: Final = f"@{OUTSIDE} = global i64 0"

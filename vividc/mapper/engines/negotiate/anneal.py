@@ -36,6 +36,7 @@ from vividc.mapper.engines.negotiate.motion import (
     keep_costs,
     list_affected,
     meeting_cost,
+    moves,
     nodes_change,
     occupant,
     put,
@@ -138,7 +139,10 @@ def _consider(task: Task, state: State, heat: float) -> None:
     most = claims_cost(task, places, words, motion) + price
     most += meeting_cost(task, places, motion)
     swap(task, places, motion)
-    most -= nodes_change(task, places, motion) + meeting_cost(task, places, motion)
+    change = nodes_change(task, places, motion)
+    if change <= most:  # else no stalls make up for it
+        change += meeting_cost(task, places, motion)
+    most -= change
     swap(task, places, motion)
     if most < 0:
         return
@@ -200,8 +204,8 @@ def _propose_one(task: Task, places: Places, motion: Motion, node: int, scratch:
         last = task.nodes.last[other]
         if not task.nodes.can[other, places.pe[node]] or not 0 <= its_time <= last:
             return False
-        put(motion, other, places.pe[node], its_time)
-    put(motion, node, pe, time)
+        put(task.array, motion, other, places.pe[node], its_time)
+    put(task.array, motion, node, pe, time)
     return True
 
 
@@ -220,7 +224,7 @@ def _propose_push(task: Task, places: Places, motion: Motion, node: int) -> bool
         time = places.time[node] + sign * (1 + draw(random, max(1, array.ii // 2)))
     if time < 0 or time > task.nodes.last[node]:
         return False
-    put(motion, node, pe, time)
+    put(task.array, motion, node, pe, time)
     return _push(task, places, motion, sign)
 
 
@@ -271,7 +275,7 @@ def _push(task: Task, places: Places, motion: Motion, sign: int) -> bool:
                     continue
                 if pushed < 0 or pushed > task.nodes.last[other]:
                     return False
-                put(motion, other, pe, pushed)
+                put(task.array, motion, other, pe, pushed)
                 clean = False
             listed += 1
         turns += 1
@@ -283,7 +287,7 @@ def _push(task: Task, places: Places, motion: Motion, sign: int) -> bool:
 @inlined
 def _where(places: Places, motion: Motion, node: int) -> tuple[int, int]:
     """PE and time of a node after the move so far."""
-    if motion.node_in[node]:
+    if moves(motion, node):
         return int(motion.pe[node]), int(motion.time[node])
     return int(places.pe[node]), int(places.time[node])
 

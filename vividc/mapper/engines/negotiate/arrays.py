@@ -69,7 +69,7 @@ class Array(NamedTuple):
     `stored`, `held` (PEs, keys): those that other regions hold there, `RESIDENT` each. `outputs`: 1
     where words go from PE to PE through output registers only, else 0; `moves`: 1 where FUs move
     them on there, too; `rivals`: 1 where a live-out writes an entry that another node reads, else
-    0.
+    0. `slots`, `stages`: of each time, modulo II and over II.
     """
 
     ii: int
@@ -86,6 +86,8 @@ class Array(NamedTuple):
     room: Ints
     stored: Ints
     held: Ints2
+    slots: Ints
+    stages: Ints
 
 
 class Meets(NamedTuple):
@@ -122,7 +124,8 @@ def build_task(
     number = {node: index for index, node in enumerate(ids)}
     nodes, keys = _nodes(problem, ids, frame, ii)
     edges = dependences(problem.dfg, problem.fabric)
-    array = _array(problem, ii, graph, keys)
+    latest = max((*frame.begin.values(), *frame.last.values()), default=0)
+    array = _array(problem, ii, graph, keys, np.arange(latest + 1))
     return Task(nodes, _edges(edges, number, ii), array, _meets(frame.meetings, number)), ids
 
 
@@ -210,7 +213,9 @@ def _written(node: Node) -> ConstantKey | None:
     return ("live_in", node.name) if node.op is Opcode.LIVE_OUT else None
 
 
-def _array(problem: MapProblem, ii: int, graph: MRRG, keys: dict[ConstantKey, int]) -> Array:
+def _array(
+    problem: MapProblem, ii: int, graph: MRRG, keys: dict[ConstantKey, int], times: Ints
+) -> Array:
     fabric = problem.fabric
     pes = len(fabric.pes)
     near = Rows.of([pe, *(k.dst for k in fabric.links_from[pe])] for pe in range(pes))
@@ -236,4 +241,6 @@ def _array(problem: MapProblem, ii: int, graph: MRRG, keys: dict[ConstantKey, in
         ),
         stored=ints(len(there) for there in resident),
         held=held,
+        slots=times % ii,
+        stages=times // ii,
     )

@@ -8,7 +8,7 @@ import numpy as np
 
 from vividc.mapper.engines.negotiate.arrays import FU, Array, Edges, Task
 from vividc.mapper.engines.negotiate.compiled import inlined
-from vividc.mapper.engines.negotiate.places import Places, early, enter, excess, lie
+from vividc.mapper.engines.negotiate.places import MET, Places, early, enter, excess, keep_slot
 from vividc.mapper.engines.negotiate.words import (
     MOST_HOPS,
     Words,
@@ -18,7 +18,7 @@ from vividc.mapper.engines.negotiate.words import (
     show,
     withdraw,
 )
-from vividc.mapper.resources.arrays import Bytes, Floats, Ints, Ints2
+from vividc.mapper.resources.arrays import Floats, Ints, Ints2
 
 BROKEN, LATE, HOP, CYCLE, TIGHT = 30.0, 15.0, 1.0, 0.5, 0.7
 CELL, WAIT = 1.0, 0.1
@@ -34,13 +34,16 @@ word with too many reads, which share most of it.
 STALL = 8.0
 """An expected cycle of an iteration in which the tile stands still, where such are counted."""
 
-NODES, EDGES, WORDS, LATES = 0, 1, 2, 3
-"""Positions in `Motion.listed`; the last one: edges whose ends come too early, by their costs."""
+NODES, EDGES, WORDS, LATES, MOVE = 0, 1, 2, 3, 4
+"""Positions in `Motion.listed`; the last ones: edges whose ends come too early, by their costs, and
+the number of the move.
+"""
 
 
 class Motion(NamedTuple):
     """A move. `listed`: nodes, edges and words in the lists `nodes`, `edges`, `words`; in `*_in`
-    whether each is listed. `pe`, `time`: by node what it has when the move is not made, or made.
+    the last move for which each was. `pe`, `time`, `slot`: by node what it has when the move is not
+    made, or made.
     `shown`: by word what `Words` had of it: number, PEs, cycles. `edge_cost`, `word_cost`: of what
     lies there; `*_next`, with the move.
     """
@@ -49,11 +52,12 @@ class Motion(NamedTuple):
     nodes: Ints
     edges: Ints
     words: Ints
-    node_in: Bytes
-    edge_in: Bytes
-    word_in: Bytes
+    node_in: Ints
+    edge_in: Ints
+    word_in: Ints
     pe: Ints
     time: Ints
+    slot: Ints
     shown_size: Ints
     shown_pe: Ints2
     shown_cycle: Ints2
@@ -67,15 +71,16 @@ def new_motion(task: Task, words: Words) -> Motion:
     """No node moves."""
     nodes, edges = len(task.nodes.latency), len(task.edges.src)
     return Motion(
-        listed=np.zeros(4, dtype=np.int64),
+        listed=np.zeros(5, dtype=np.int64),
         nodes=np.zeros(nodes, dtype=np.int64),
         edges=np.zeros(edges, dtype=np.int64),
         words=np.zeros(nodes, dtype=np.int64),
-        node_in=np.zeros(nodes, dtype=np.uint8),
-        edge_in=np.zeros(edges, dtype=np.uint8),
-        word_in=np.zeros(nodes, dtype=np.uint8),
+        node_in=np.zeros(nodes, dtype=np.int64),
+        edge_in=np.zeros(edges, dtype=np.int64),
+        word_in=np.zeros(nodes, dtype=np.int64),
         pe=np.zeros(nodes, dtype=np.int64),
         time=np.zeros(nodes, dtype=np.int64),
+        slot=np.zeros(nodes, dtype=np.int64),
         shown_size=np.zeros_like(words.size),
         shown_pe=np.zeros_like(words.pe),
         shown_cycle=np.zeros_like(words.cycle),
@@ -89,24 +94,25 @@ def new_motion(task: Task, words: Words) -> Motion:
 @inlined
 def begin(motion: Motion) -> None:
     """No node moves."""
-    for at in range(motion.listed[NODES]):
-        motion.node_in[motion.nodes[at]] = 0
-    for at in range(motion.listed[EDGES]):
-        motion.edge_in[motion.edges[at]] = 0
-    for at in range(motion.listed[WORDS]):
-        motion.word_in[motion.words[at]] = 0
     for part in range(3):
         motion.listed[part] = 0
+    motion.listed[MOVE] += 1
 
 
 @inlined
-def put(motion: Motion, node: int, pe: int, time: int) -> None:
+def moves(motion: Motion, node: int) -> bool:
+    """Whether a node moves."""
+    return bool(motion.node_in[node] == motion.listed[MOVE])
+
+
+@inlined
+def put(array: Array, motion: Motion, node: int, pe: int, time: int) -> None:
     """Have `node` go to a PE and a time."""
-    if not motion.node_in[node]:
-        motion.node_in[node] = 1
+    if not moves(motion, node):
+        motion.node_in[node] = motion.listed[MOVE]
         motion.nodes[motion.listed[NODES]] = node
         motion.listed[NODES] += 1
-    motion.pe[node], motion.time[node] = pe, time
+    motion.pe[node], motion.time[node], motion.slot[node] = pe, time, array.slots[time]
 
 
 @inlined
@@ -117,8 +123,8 @@ def list_affected(task: Task, motion: Motion) -> None:
         node = motion.nodes[at]
         for item in range(edges.of_begin[node], edges.of_begin[node + 1]):
             edge = edges.of_items[item]
-            if not motion.edge_in[edge]:
-                motion.edge_in[edge] = 1
+            if motion.edge_in[edge] != motion.listed[MOVE]:
+                motion.edge_in[edge] = motion.listed[MOVE]
                 motion.edges[motion.listed[EDGES]] = edge
                 motion.listed[EDGES] += 1
         _list_word(motion, node)
@@ -128,8 +134,8 @@ def list_affected(task: Task, motion: Motion) -> None:
 
 @inlined
 def _list_word(motion: Motion, word: int) -> None:
-    if not motion.word_in[word]:
-        motion.word_in[word] = 1
+    if motion.word_in[word] != motion.listed[MOVE]:
+        motion.word_in[word] = motion.listed[MOVE]
         motion.words[motion.listed[WORDS]] = word
         motion.listed[WORDS] += 1
 
@@ -165,7 +171,7 @@ def nodes_change(task: Task, places: Places, motion: Motion) -> float:
 @inlined
 def meeting_cost(task: Task, places: Places, motion: Motion) -> float:
     """Of what the nodes that move meet in banks where they are."""
-    meets, ii = task.meets, task.array.ii
+    meets, stages = task.meets, task.array.stages
     stalls = 0.0
     for at in range(motion.listed[NODES]):
         node = motion.nodes[at]
@@ -173,13 +179,18 @@ def meeting_cost(task: Task, places: Places, motion: Motion) -> float:
         if one < 0:
             continue
         slot = places.slot[node]
-        for other in range(len(meets.node)):
-            its = meets.node[other]
-            if places.slot[its] != slot or other == one or (motion.node_in[its] and other < one):
-                continue
-            apart = (places.time[node] - places.time[its]) // ii
-            apart = min(max(apart, -meets.far), meets.far)
-            stalls += meets.stalls[one, other, meets.far + apart]
+        for word in range(places.met.shape[1]):
+            left = places.met[slot, word]
+            while left != 0:
+                lowest = left & -left
+                left -= lowest
+                other = MET * word + int(lowest).bit_length() - 1
+                its = meets.node[other]
+                if other == one or (other < one and moves(motion, its)):
+                    continue
+                apart = stages[places.time[node]] - stages[places.time[its]]
+                apart = min(max(apart, -meets.far), meets.far)
+                stalls += meets.stalls[one, other, meets.far + apart]
     return STALL * stalls
 
 
@@ -223,9 +234,10 @@ def swap(task: Task, places: Places, motion: Motion) -> None:
     """Exchange where nodes are with where they go, in name only: what they claim stays."""
     for at in range(motion.listed[NODES]):
         node = motion.nodes[at]
-        pe, time = places.pe[node], places.time[node]
-        lie(places, task.array.ii, node, motion.pe[node], motion.time[node])
-        motion.pe[node], motion.time[node] = pe, time
+        pe, time, slot = places.pe[node], places.time[node], places.slot[node]
+        places.pe[node], places.time[node] = motion.pe[node], motion.time[node]
+        keep_slot(task.meets, places, node, motion.slot[node])
+        motion.pe[node], motion.time[node], motion.slot[node] = pe, time, slot
 
 
 @inlined
@@ -298,7 +310,7 @@ def occupant(task: Task, places: Places, node: int, pe: int, time: int) -> int:
     """Another node that issues on the FU that `node` would use, or -1."""
     if not task.nodes.kind[node] & FU:
         return -1
-    other = places.at[pe * task.array.ii + time % task.array.ii]
+    other = places.at[pe * task.array.ii + task.array.slots[time]]
     return -1 if other == node else int(other)
 
 

@@ -18,7 +18,7 @@ from vividc.mapper.engines.negotiate.arrays import Task, build_task
 from vividc.mapper.engines.negotiate.frame import Frame, loose_frame
 from vividc.mapper.engines.negotiate.lockstep import Steps, first_result
 from vividc.mapper.engines.negotiate.motion import new_motion
-from vividc.mapper.engines.negotiate.places import broken, enter, lie, new_places
+from vividc.mapper.engines.negotiate.places import broken, lie_all, new_places
 from vividc.mapper.engines.negotiate.repair import new_undo, repair
 from vividc.mapper.engines.negotiate.traffic import (
     DIRECT,
@@ -37,7 +37,7 @@ from vividc.mapper.engines.negotiate.ways import Router, route_as_shown, route_r
 from vividc.mapper.engines.negotiate.words import hide_all, new_words, show_all
 from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.resources.arrays import Ints, Ints2
+from vividc.mapper.resources.arrays import Ints, Ints2, ints
 from vividc.mapper.resources.moved_words import allocate_with_moves
 from vividc.mapper.resources.mrrg import MRRG, NONE, Spot, build_mrrg
 from vividc.mapper.resources.registers import Lifetime, allocate
@@ -124,11 +124,9 @@ class Negotiation:
 
     def _put(self, start: ReadOnly[int, int]) -> None:
         nodes = self.task.nodes
-        for node, name in enumerate(self.ids):
-            first, end = nodes.pe_begin[node], nodes.pe_begin[node + 1]
-            pe = int(nodes.pe_items[first + node % (end - first)])
-            lie(self.places, self.ii, node, pe, start[name])
-            enter(nodes, self.task.array, self.places, node, 1)
+        first, choices = nodes.pe_begin[:-1], np.diff(nodes.pe_begin)
+        pes = nodes.pe_items[first + np.arange(len(self.ids)) % choices]
+        lie_all(self.task, self.places, pes, ints(start[name] for name in self.ids))
 
     def run(self, effort: Effort, deadline: Deadline) -> Steps[Mapping | None]:
         """Try until a mapping is found or all trials have failed."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -14,18 +14,23 @@ from vividc.mapper.engines.negotiate.arrays import (
     WRITTEN,
     Array,
     Edges,
+    Meets,
     Nodes,
     Task,
 )
 from vividc.mapper.engines.negotiate.compiled import compiled, inlined
 from vividc.mapper.resources.arrays import Ints, Ints2
 
+MET: Final = 32
+"""Accesses whose bits are in one number."""
+
 
 class Places(NamedTuple):
     """The state: `pe` and `time` of each node, and its `slot`, the time modulo II; `counts` of
     claims: issue, completion and live-out slots by PE, then banks and controller by slot; `over`:
     claims beyond capacity, one int64; `at`: a node that issues in a slot, or -1; `held` and
-    `stored`: uses of constant-store entries by PE; `random`: one int64.
+    `stored`: uses of constant-store entries by PE; `random`: one int64; `met`: by slot, bits
+    of the accesses there that may meet others in a bank.
     """
 
     pe: Ints
@@ -37,6 +42,7 @@ class Places(NamedTuple):
     held: Ints2
     stored: Ints
     random: Ints
+    met: Ints2
 
 
 def new_places(task: Task, seed: int) -> Places:
@@ -53,7 +59,16 @@ def new_places(task: Task, seed: int) -> Places:
         array.held.copy(),
         array.stored.copy(),
         np.array([seed * 2_654_435_769 + 1], dtype=np.int64),
+        _all_in_first_slot(task),
     )
+
+
+def _all_in_first_slot(task: Task) -> Ints2:
+    accesses = len(task.meets.node)
+    met = np.zeros((task.array.ii, -(-accesses // MET)), dtype=np.int64)
+    for access in range(accesses):
+        met[0, access // MET] |= 1 << (access % MET)
+    return met
 
 
 @inlined
@@ -78,9 +93,29 @@ def wrapped(slot: int, ii: int) -> int:
 
 
 @inlined
-def lie(places: Places, ii: int, node: int, pe: int, time: int) -> None:
+def lie(task: Task, places: Places, node: int, pe: int, time: int) -> None:
     """Have `node`, which claims nothing now, be on a PE at a time."""
-    places.pe[node], places.time[node], places.slot[node] = pe, time, time % ii
+    places.pe[node], places.time[node] = pe, time
+    keep_slot(task.meets, places, node, task.array.slots[time])
+
+
+@inlined
+def keep_slot(meets: Meets, places: Places, node: int, slot: int) -> None:
+    """Note the slot of a node's time."""
+    access = meets.access[node]
+    if access >= 0:
+        bit = 1 << (access % MET)
+        places.met[places.slot[node], access // MET] ^= bit
+        places.met[slot, access // MET] ^= bit
+    places.slot[node] = slot
+
+
+@compiled
+def lie_all(task: Task, places: Places, pes: Ints, times: Ints) -> None:
+    """Have all nodes, which claim nothing now, be on these PEs at these times, and claim it."""
+    for node in range(len(pes)):
+        lie(task, places, node, pes[node], times[node])
+        enter(task.nodes, task.array, places, node, 1)
 
 
 @compiled

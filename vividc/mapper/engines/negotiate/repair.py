@@ -171,8 +171,8 @@ def _shift(
     enter(nodes, array, places, node, -1)
     if other >= 0:
         enter(nodes, array, places, other, -1)
-        lie(places, array.ii, other, other_pe, other_time)
-    lie(places, array.ii, node, pe, time)
+        lie(task, places, other, other_pe, other_time)
+    lie(task, places, node, pe, time)
     enter(nodes, array, places, node, 1)
     if other >= 0:
         enter(nodes, array, places, other, 1)
