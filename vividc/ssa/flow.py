@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import networkx as nx
 
 from vividc.host import time_limit
 from vividc.host.once import once_each
-from vividc.ssa.ir import Block, Function
+from vividc.ssa.ir import Function
 
 
 @dataclass(frozen=True)
@@ -28,18 +28,49 @@ class Loop:
 @once_each
 def block_graph(function: Function) -> nx.DiGraph[str]:
     """Control flow between the blocks that can be reached from the entry."""
-    time_limit.step("control flow was analysed")
-    by_name = {block.name: block for block in function.blocks}
+    after = _successors(function)
     graph: nx.DiGraph[str] = nx.DiGraph()
-    work = [function.blocks[0].name]
-    graph.add_node(work[0])
+    graph.add_node(function.blocks[0].name)
+    graph.add_edges_from((name, target) for name in _met(function) for target in after[name])
+    return nx.freeze(graph)
+
+
+@once_each
+def _successors(function: Function) -> Mapping[str, tuple[str, ...]]:
+    """The blocks behind each block, in the order of its branch."""
+    time_limit.step("control flow was analysed")
+    return {block.name: block.branch.successors for block in function.blocks}
+
+
+def _met(function: Function) -> Iterator[str]:
+    """The blocks that can be reached, the newest that was met first."""
+    after, work = _successors(function), [function.blocks[0].name]
+    met = set(work)
     while work:
         name = work.pop()
-        for target in by_name[name].branch.successors:
-            if target not in graph:
+        yield name
+        for target in after[name]:
+            if target not in met:
+                met.add(target)
                 work.append(target)
-            graph.add_edge(name, target)
-    return nx.freeze(graph)
+
+
+@once_each
+def _reverse_postorder(function: Function) -> tuple[str, ...]:
+    """The blocks that can be reached, each before those behind it but along back edges."""
+    after, entry = _successors(function), function.blocks[0].name
+    met, order = {entry}, []
+    work = [(entry, iter(after[entry]))]
+    while work:
+        name, targets = work[-1]
+        target = next((one for one in targets if one not in met), None)
+        if target is None:
+            order.append(name)
+            work.pop()
+        else:
+            met.add(target)
+            work.append((target, iter(after[target])))
+    return tuple(reversed(order))
 
 
 @once_each
@@ -56,43 +87,55 @@ def predecessors(function: Function) -> Mapping[str, tuple[str, ...]]:
 @once_each
 def immediate_dominators(function: Function) -> Mapping[str, str]:
     """Of each block that can be reached the nearest other one that dominates it; the entry's is
-    itself.
+    itself (Cooper, Harvey and Kennedy 2001).
     """
-    entry = function.blocks[0].name
-    return {**nx.immediate_dominators(block_graph(function), entry), entry: entry}
+    order = _reverse_postorder(function)
+    place = {name: number for number, name in enumerate(order)}
+    sources = [[place[s] for s in predecessors(function)[name] if s in place] for name in order]
+    nearest = [0, *[-1] * (len(order) - 1)]
+    changes = True
+    while changes:
+        changes = False
+        for number in range(1, len(order)):
+            found = -1
+            for source in sources[number]:
+                if nearest[source] >= 0:
+                    found = source if found < 0 else _common(nearest, source, found)
+            if nearest[number] != found:
+                nearest[number], changes = found, True
+    return {name: order[above] for name, above in zip(order, nearest, strict=True)}
+
+
+def _common(nearest: Sequence[int], one: int, other: int) -> int:
+    """The nearest block above both, by their places in reverse postorder."""
+    while one != other:
+        if one > other:
+            one = nearest[one]
+        else:
+            other = nearest[other]
+    return one
 
 
 @once_each
 def dominators(function: Function) -> Mapping[str, frozenset[str]]:
     """The blocks that dominate each block that can be reached, itself included."""
-    entry = function.blocks[0].name
-    graph = block_graph(function)
-    idom = immediate_dominators(function)
-    result = {entry: frozenset((entry,))}
-    for name in graph.nodes:
-        chain = [name]
-        while chain[-1] not in result:
-            chain.append(idom[chain[-1]])
-        above = result[chain.pop()]
-        for below in reversed(chain):
-            above = result[below] = above | {below}
+    result: dict[str, frozenset[str]] = {}
+    for name, above in immediate_dominators(function).items():
+        result[name] = result.get(above, frozenset()) | {name}
     return result
 
 
 @once_each
 def find_loops(function: Function) -> tuple[Loop, ...]:
     """All natural loops, innermost first (fewest blocks), then in block order."""
-    graph = block_graph(function)
-    above = dominators(function)
-    latches: dict[str, list[str]] = {}
-    for source, target in graph.edges:
-        if target in above[source]:
-            latches.setdefault(target, []).append(source)
+    after, above = _successors(function), dominators(function)
+    latches: dict[str, dict[str, None]] = {}
+    for block in function.blocks:
+        for target in after[block.name] if block.name in above else ():
+            if target in above[block.name]:
+                latches.setdefault(target, {})[block.name] = None
     order = {block.name: index for index, block in enumerate(function.blocks)}
-    loops = [
-        _loop(function.blocks, graph, header, sorted(latches[header], key=order.__getitem__))
-        for header in sorted(latches, key=order.__getitem__)
-    ]
+    loops = [_loop(function, order, header, tuple(ends)) for header, ends in latches.items()]
     return tuple(sorted(loops, key=lambda loop: (len(loop.blocks), order[loop.header])))
 
 
@@ -118,23 +161,25 @@ def blocks_of_pipelined_loops(function: Function) -> frozenset[str]:
 
 
 def _loop(
-    blocks: tuple[Block, ...], graph: nx.DiGraph[str], header: str, latches: list[str]
+    function: Function, order: Mapping[str, int], header: str, latches: tuple[str, ...]
 ) -> Loop:
+    """`order`: the place of each block."""
+    sources, after = predecessors(function), _successors(function)
+    reached = dominators(function)
     body = {header}
     work = [latch for latch in latches if latch != header]
     while work:
         name = work.pop()
-        if name not in body:
+        if name not in body and name in reached:
             body.add(name)
-            work.extend(graph.predecessors(name))
+            work.extend(sources[name])
     exits = tuple(
-        (block.name, target)
-        for block in blocks
-        if block.name in body
-        for target in dict.fromkeys(block.branch.successors)
+        (name, target)
+        for name in sorted(body, key=order.__getitem__)
+        for target in dict.fromkeys(after[name])
         if target not in body
     )
-    return Loop(header, frozenset(body), tuple(latches), exits)
+    return Loop(header, frozenset(body), latches, exits)
 
 
 def preheader_of(function: Function, loop: Loop) -> str:
@@ -176,10 +221,8 @@ class Flow:
 @once_each
 def flow_of(function: Function) -> Flow:
     """Dominators and loops of a function without unreachable blocks."""
-    graph, entry = block_graph(function), function.blocks[0].name
-    order = tuple(reversed([*nx.dfs_postorder_nodes(graph, entry)]))
-    successors = {block.name: block.branch.successors for block in function.blocks}
+    entry, order = function.blocks[0].name, _reverse_postorder(function)
     bodies = {loop.header: loop.blocks for loop in find_loops(function)}
     loops = {name: bodies[name] for name in order if name in bodies}
     idom = immediate_dominators(function)
-    return Flow(entry, order, successors, predecessors(function), idom, loops)
+    return Flow(entry, order, _successors(function), predecessors(function), idom, loops)
