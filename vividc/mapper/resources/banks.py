@@ -8,11 +8,11 @@ same ones in every run.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 from random import Random
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from vividc.arch.fabric import Scratchpad
 from vividc.dfg.ir import CHANGES, DFG, FROM_END, Node
 from vividc.machine.words import WORD_BYTES
 from vividc.mapper.resources.arms import Arm, arms_of
+from vividc.mapper.resources.waits import spread_slots, waits_of
 from vividc.ssa.analysis.polynomial import ITERATION
 from vividc.ssa.ir import Input, is_dimension, is_pitch, pitch_of
 
@@ -32,16 +33,10 @@ _CHOICES: Final = 8
 as a compiler chooses.
 """
 
-_TURNS: Final = 2
-"""Times that each access is given the slot where it meets fewest others."""
-
 _ROOM: Final = 1
 """Slots have room for so many accesses more than if all had equally many: mappers have other things
 to think of, too.
 """
-
-_CROWDED: Final = 1e-3
-"""What an access that is in a slot already counts there, as a meeting: slots are filled evenly."""
 
 _ALIGNED: Final = 2
 """One of so many dimensions is a multiple of the banks: powers of two are common."""
@@ -71,6 +66,9 @@ _FEW: Final = 0.01
 
 _ROUNDS: Final = 3
 """Times that all pitches and starts are chosen anew."""
+
+_PRODUCTS: Final = 2048
+"""Products of words, of so many the draws are kept: 8 MiB."""
 
 _Draws = NDArray[np.int64]
 Words = Mapping[str, int]
@@ -106,6 +104,16 @@ Meets = Mapping[int, Mapping[int, float]]
 NO_MEETS: Final[Meets] = {}
 
 
+class _Group(NamedTuple):
+    """Some accesses, by id, and the words in their addresses."""
+
+    accesses: tuple[int, ...]
+    words: tuple[str, ...]
+
+
+_Slots = dict[int, _Group]
+
+
 @dataclass(frozen=True)
 class Traffic:
     """The accesses of a region.
@@ -133,6 +141,8 @@ class Traffic:
     spread: bool = False
     _known: dict[object, _Draws] = field(init=False, compare=False, default_factory=dict)
     _stalls: dict[object, float] = field(init=False, compare=False, default_factory=dict)
+    _groups: dict[object, _Group] = field(init=False, compare=False, default_factory=dict)
+    _by_slot: dict[_Group, _Slots] = field(init=False, compare=False, default_factory=dict)
 
     @staticmethod
     def of(
@@ -150,31 +160,46 @@ class Traffic:
         """Cycles of an iteration in which the tile stands still, the mean of what is drawn; of the
         accesses to the arrays `among` only. Without times: the fewest of several choices.
         """
-        names = tuple(name for name in self._words if among is None or name in among)
-        key = names, tuple(known.get(word) for name in names for word in self._words[name])
+        group = self._among(None if among is None else frozenset(among))
+        key = group.accesses, tuple(map(known.get, group.words))
         if key not in self._stalls:
-            accesses = [node for node in self.accesses if node.name in names]
-            self._stalls[key] = self._stalls_of(accesses, known)
+            self._stalls[key] = self._stalls_of(group, known)
         return self._stalls[key]
 
     @cached_property
-    def _words(self) -> dict[str, tuple[str, ...]]:
-        """The words in the addresses of the accesses to each array."""
-        words: dict[str, dict[str, None]] = {node.name: {} for node in self.accesses}
-        for node in self.accesses:
-            words[node.name] |= dict.fromkeys(_words_in(node))
-        return {name: tuple(found) for name, found in words.items()}
+    def _words(self) -> dict[int, tuple[str, ...]]:
+        """The words in the address of each access, by id."""
+        return {
+            n.id: tuple(word for words, _ in n.address or () for word in words)
+            for n in self.accesses
+        }
 
-    def _stalls_of(self, accesses: Sequence[Node], known: Words) -> float:
-        if len(accesses) < 2:  # noqa: PLR2004 - it takes two to meet
+    @cached_property
+    def _nodes(self) -> dict[int, Node]:
+        return {node.id: node for node in self.accesses}
+
+    def _among(self, arrays: frozenset[str] | None) -> _Group:
+        if arrays not in self._groups:
+            every = self.accesses
+            accesses = [node for node in every if arrays is None or node.name in arrays]
+            self._groups[arrays] = self._group(accesses)
+        return self._groups[arrays]
+
+    def _group(self, accesses: Iterable[Node]) -> _Group:
+        ids = tuple(node.id for node in accesses)
+        return _Group(ids, tuple(dict.fromkeys(word for one in ids for word in self._words[one])))
+
+    def _stalls_of(self, group: _Group, known: Words) -> float:
+        if len(group.accesses) < 2:  # noqa: PLR2004 - it takes two to meet
             return 0.0
         if self.times is not None:
-            return self._stalls_of_slots(accesses, self.times, known)
+            return self._stalls_of_slots(group, self.times, known)
+        accesses = [self._nodes[one] for one in group.accesses]
         if self.spread:
             places = self._spread_places(accesses, known)
         else:
             places = np.stack([self._places(node, known) for node in accesses])
-        waits = _waits(places, self.ii * self.banks, self.banks)
+        waits = waits_of(places, self.ii * self.banks, self.banks)
         return float(waits.reshape(_CHOICES, -1).mean(axis=1).min())
 
     def _spread_places(self, accesses: Sequence[Node], known: Words) -> _Draws:
@@ -182,63 +207,37 @@ class Traffic:
         others.
         """
         banks = np.stack([self._spread_bank(node, known) for node in accesses])
-        slots = np.repeat(self._spread_slots(banks), _DRAWN // _CHOICES, axis=1)
+        room = _ROOM + -(-len(banks) // self.ii)
+        chosen = spread_slots(banks, self.banks, _CHOICES, self.ii, room)
+        slots = np.repeat(chosen, _DRAWN // _CHOICES, axis=1)
         return np.where(banks == self.banks, self.ii * self.banks, slots * self.banks + banks)
 
     def _spread_bank(self, node: Node, known: Words) -> _Draws:
         """What is idle lies in a bank of its own."""
-        key = ("spread", node.id, tuple(map(known.get, _words_in(node))))
+        key = ("spread", node.id, tuple(map(known.get, self._words[node.id])))
         if key not in self._known:
-            self._known[key] = self._found_spread(node, known)
+            bank = _bank(node, _chosen(f"stage {node.id}", _STAGES), self.banks, known)
+            self._known[key] = np.where(self._idle(node), self.banks, bank)
         return self._known[key]
 
-    def _found_spread(self, node: Node, known: Words) -> _Draws:
-        stage = _chosen(f"stage {node.id}", _STAGES)
-        bank = _bank(node, stage, self.banks, known, is_mapped=False)
-        return np.where(self._idle(node), self.banks, bank)
-
-    def _spread_slots(self, banks: _Draws) -> _Draws:
-        """The slot of each access (by row) for each choice, one after the other, as mappers place
-        them.
-        """
-        number = len(banks)
-        drawn = banks.reshape(number, _CHOICES, -1).swapaxes(0, 1)
-        busy = drawn != self.banks
-        meets = ((drawn == drawn[:, [one]]) & busy for one in range(number))
-        often = np.stack([row.mean(axis=2) for row in meets], axis=1) + _CROWDED
-        every, room = np.arange(_CHOICES), _ROOM + -(-number // self.ii)
-        slots = np.full((number, _CHOICES), -1)
-        costs = np.zeros((_CHOICES, self.ii, number))
-        filled = np.zeros((_CHOICES, self.ii), np.int64)
-        for turn in range(_TURNS):
-            for one in range(number):
-                if turn:
-                    costs[every, slots[one]] -= often[:, one]
-                    filled[every, slots[one]] -= 1
-                cost = costs[:, :, one] + (filled >= room) * number
-                slots[one] = chosen = cost.argmin(axis=1)
-                costs[every, chosen] += often[:, one]
-                filled[every, chosen] += 1
-        return slots
-
-    def _stalls_of_slots(
-        self, accesses: Sequence[Node], times: Mapping[int, int], known: Words
-    ) -> float:
+    def _stalls_of_slots(self, group: _Group, times: Mapping[int, int], known: Words) -> float:
         """Accesses of different slots do not meet: each slot counts by itself, and anew only where
         another word is known of its addresses.
         """
-        slots: dict[int, list[Node]] = {}
-        for node in accesses:
-            slots.setdefault(times[node.id] % self.ii, []).append(node)
+        if group not in self._by_slot:
+            slots: dict[int, list[Node]] = {}
+            for one in group.accesses:
+                slots.setdefault(times[one] % self.ii, []).append(self._nodes[one])
+            self._by_slot[group] = {slot: self._group(nodes) for slot, nodes in slots.items()}
         total = 0.0
-        for slot, nodes in slots.items():
-            if len(nodes) < 2:  # noqa: PLR2004 - as above
+        for slot, here in self._by_slot[group].items():
+            if len(here.accesses) < 2:  # noqa: PLR2004 - as above
                 continue
-            key = tuple((n.id, tuple(map(known.get, _words_in(n)))) for n in nodes)
+            key = slot, here.accesses, tuple(map(known.get, here.words))
             if key not in self._stalls:
-                places = np.stack([self._places(node, known) for node in nodes])
+                places = np.stack([self._places(self._nodes[one], known) for one in here.accesses])
                 banks = np.minimum(places - slot * self.banks, self.banks)
-                self._stalls[key] = float(_waits(banks, self.banks, self.banks).mean())
+                self._stalls[key] = float(waits_of(banks, self.banks, self.banks).mean())
             total += self._stalls[key]
         return total
 
@@ -253,8 +252,7 @@ class Traffic:
         for number, node in enumerate(self.accesses):
             idle = self._idle(node)
             for stage in range(stages):
-                later = np.full(_DRAWN, stage)
-                bank = _bank(node, later, self.banks, known, is_mapped=True)
+                bank = _bank(node, stage, self.banks, known)
                 banks[number, stage] = np.where(idle, -1 - number, bank)  # none of the others'
         later = (banks[:, None, :, :] == banks[None, :, :1, :]).mean(axis=3)
         earlier = later.transpose(1, 0, 2)[:, :, :0:-1]
@@ -282,7 +280,7 @@ class Traffic:
         """How often each two accesses of one cycle meet, outside of loops."""
         banks = np.zeros((len(self.accesses), _DRAWN), np.int64)
         for number, node in enumerate(self.accesses):
-            bank = _bank(node, np.zeros(_DRAWN, np.int64), self.banks, known, is_mapped=True)
+            bank = _bank(node, 0, self.banks, known)
             banks[number] = np.where(self._idle(node), -1 - number, bank)  # none of the others'
         often = np.zeros((len(banks), len(banks)))
         for number, bank in enumerate(banks):
@@ -296,19 +294,19 @@ class Traffic:
 
     def _places(self, node: Node, known: Words) -> _Draws:
         """Slot and bank of an access, as one number."""
-        words = _words_in(node)
-        key = (node.id, tuple(known.get(word) for word in words))
+        key = node.id, tuple(map(known.get, self._words[node.id]))
         if key not in self._known:
             self._known[key] = self._found(node, known)
         return self._known[key]
 
     def _found(self, node: Node, known: Words) -> _Draws:
+        slot: _Draws | int
         if self.times is None:
-            slot, stage = (_chosen(f"{n} {node.id}", n) for n in (self.ii, _STAGES))
+            slot, drawn = (_chosen(f"{n} {node.id}", n) for n in (self.ii, _STAGES))
+            bank = _bank(node, drawn, self.banks, known)
         else:
-            stage, fixed = (np.full(_DRAWN, n) for n in divmod(self.times[node.id], self.ii))
-            slot = fixed
-        bank = _bank(node, stage, self.banks, known, is_mapped=self.times is not None)
+            stage, slot = divmod(self.times[node.id], self.ii)
+            bank = _bank(node, stage, self.banks, known)
         return np.where(self._idle(node), self.ii * self.banks, slot * self.banks + bank)
 
     def _idle(self, node: Node) -> NDArray[np.bool_]:
@@ -319,17 +317,6 @@ class Traffic:
         for arm in self.arms[node.id]:
             idle = idle | (_drawn(f"arms of {arm.choice}", arm.count) != arm.number)
         return np.asarray(idle)
-
-
-def _waits(places: _Draws, buckets: int, banks: int) -> _Draws:
-    """Cycles that a tile stands still in each draw, as accesses (by row) lie in these buckets,
-    `banks` a slot; what lies behind them is idle.
-    """
-    apart = places + np.arange(_DRAWN) * (buckets + 1)
-    counts = np.bincount(apart.ravel(), minlength=_DRAWN * (buckets + 1))
-    counts = counts.reshape(_DRAWN, buckets + 1)[:, :-1].reshape(-1, banks)
-    waits: _Draws = np.maximum(counts.max(axis=1) - 1, 0).reshape(_DRAWN, -1)
-    return np.asarray(waits.sum(axis=1))
 
 
 def best_pitches(traffic: Sequence[Traffic], matrices: Mapping[str, int]) -> dict[str, int]:
@@ -447,31 +434,49 @@ def words_of(banks: Mapping[str, int], pitches: Mapping[str, int]) -> dict[str, 
     return starts | {pitch_of(name, 1).key: pitch for name, pitch in pitches.items()}
 
 
-def _words_in(node: Node) -> tuple[str, ...]:
-    return tuple(word for words, _ in node.address or () for word in words)
-
-
-def _bank(node: Node, stage: _Draws, banks: int, known: Words, *, is_mapped: bool) -> _Draws:
-    """The bank of an access while the newest iteration is `stage` ahead of its own."""
+def _bank(node: Node, stage: _Draws | int, banks: int, known: Words) -> _Draws:
+    """The bank of an access while the newest iteration is `stage` ahead of its own: of what is
+    mapped, a number; of what is not, drawn.
+    """
     around = WORD_BYTES * banks
     if node.address is None:
         return _drawn(f"access {node.id}", banks)
     total = np.zeros(_DRAWN, np.int64)
     for words, factor in node.address:
-        product = np.full(_DRAWN, factor % around)
-        for word in words:
-            value = known.get(word, _unknown(word, around))
-            if word.startswith(CHANGES) and is_mapped:
-                value = _unknown(f"{word} {stage[0]}", around)
-            if word == ITERATION.key:
-                value = value - stage
-            elif word.startswith("&"):  # arrays start at whole words
-                if not (word in known or is_mapped):
-                    value = _chosen(word, around)
-                value = value // WORD_BYTES * WORD_BYTES
-            product = product * value % around
-        total += product
+        term = tuple((word, known.get(word)) for word in words)
+        if isinstance(stage, int):
+            moves = any(word == ITERATION.key or word.startswith(CHANGES) for word in words)
+            total += _product_at(term, factor, stage if moves else 0, around)
+        else:
+            total += _product(term, factor, stage, around, is_mapped=False)
     return total % around // WORD_BYTES
+
+
+_Term = tuple[tuple[str, int | None], ...]
+"""Words of a product, and what is known of each."""
+
+
+@lru_cache(maxsize=_PRODUCTS)
+def _product_at(term: _Term, factor: int, stage: int, around: int) -> _Draws:
+    """Of what is mapped: most accesses of a kernel have the same words."""
+    return _product(term, factor, np.full(_DRAWN, stage), around, is_mapped=True)
+
+
+def _product(term: _Term, factor: int, stage: _Draws, around: int, *, is_mapped: bool) -> _Draws:
+    """A product of words, modulo what all banks hold."""
+    product = np.full(_DRAWN, factor % around)
+    for word, given in term:
+        value: _Draws | int = _unknown(word, around) if given is None else given
+        if word.startswith(CHANGES) and is_mapped:
+            value = _unknown(f"{word} {stage[0]}", around)
+        if word == ITERATION.key:
+            value = value - stage
+        elif word.startswith("&"):  # arrays start at whole words
+            if given is None and not is_mapped:
+                value = _chosen(word, around)
+            value = value // WORD_BYTES * WORD_BYTES
+        product = product * value % around
+    return product
 
 
 @cache
