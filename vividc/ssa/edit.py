@@ -13,9 +13,11 @@ from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Kind, Phi, Ref,
 
 def next_id(function: Function) -> int:
     """An SSA id larger than all in use."""
-    return (
-        max((ident for block in function.blocks for ident in defined_types(block)), default=-1) + 1
-    )
+    most = -1
+    for block in function.blocks:
+        for item in block.items:
+            most = max(most, item.id)
+    return most + 1
 
 
 class FreshIds:

@@ -306,8 +306,10 @@ class Branch:
     @property
     def successors(self) -> tuple[str, ...]:
         """Names of the blocks that may follow."""
-        names = (self.target, self.otherwise) if self.cond is not None else (self.target,)
-        return tuple(name for name in names if name is not None)
+        first, second = self.target, self.otherwise if self.cond is not None else None
+        if first is None:
+            return () if second is None else (second,)
+        return (first,) if second is None else (first, second)
 
 
 @made_soon

@@ -21,7 +21,6 @@ from vividc.ssa.edit import (
     incoming,
     map_values,
     read_values,
-    uses,
     with_blocks,
 )
 from vividc.ssa.flow import (
@@ -152,7 +151,11 @@ def _uses(function: Function, own: Collection[int]) -> Iterator[tuple[int, str, 
             for source, value in phi.incoming:
                 if isinstance(value, Ref) and value.id in own:
                     yield value.id, block.name, source
-        for value in uses(block):
+        for instr in block.instrs:
+            for value in instr.operands:
+                if isinstance(value, Ref) and value.id in own:
+                    yield value.id, block.name, block.name
+        for value in block.branch.read:
             if isinstance(value, Ref) and value.id in own:
                 yield value.id, block.name, block.name
 

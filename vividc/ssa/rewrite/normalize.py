@@ -8,9 +8,10 @@ into a block with phis is not critical.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+from vividc.host.once import once_each
 from vividc.machine.opcodes import Opcode, Type
 from vividc.ssa.edit import (
     defined_types,
@@ -239,14 +240,24 @@ def _close_loop(function: Function, loop: Loop) -> Function:
 
 def _used_outside(function: Function, loop: Loop, exit_name: str) -> set[int]:
     used: set[int] = set()
-    for block in function.blocks:
-        if block.name in loop.blocks:
-            continue
-        used |= {value.id for value in uses(block) if isinstance(value, Ref)}
-        if block.name != exit_name:
-            for phi in block.phis:
-                used |= {value.id for _, value in phi.incoming if isinstance(value, Ref)}
+    for name, (read, into_phis) in _used_in(function).items():
+        if name not in loop.blocks:
+            used |= read
+            if name != exit_name:
+                used |= into_phis
     return used
+
+
+@once_each
+def _used_in(function: Function) -> Mapping[str, tuple[frozenset[int], frozenset[int]]]:
+    """Values that each block reads, and that come into its phis: many loops ask."""
+    return {
+        block.name: (
+            frozenset(value.id for value in uses(block) if isinstance(value, Ref)),
+            frozenset(v.id for phi in block.phis for _, v in phi.incoming if isinstance(v, Ref)),
+        )
+        for block in function.blocks
+    }
 
 
 def _remove_trivial_phis(function: Function) -> Function:

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from vividc.errors import InternalError, SourceLoc
-from vividc.ssa.edit import map_values, next_id
+from vividc.host.once import changed
+from vividc.ssa.edit import map_values, next_id, uses
 from vividc.ssa.flow import predecessors
 from vividc.ssa.ir import Block, Function, Kind, Phi, Ref, Value
 
@@ -71,28 +72,29 @@ class _Repair:
 
     def _rewritten(self, block: Block) -> Block:
         mine = Ref(self.ident)
-        phis = tuple(
-            replace(
-                phi,
-                incoming=tuple(
-                    (name, self._end(name) if value == mine else value)
-                    for name, value in phi.incoming
-                ),
-            )
-            for phi in block.phis
-        )
-        block = replace(block, phis=phis)
+        phis = tuple(self._filled(phi) if self._comes_into(phi) else phi for phi in block.phis)
+        block = changed(block, phis=phis)
         if block.name in self.defining or not self._reads(block):
             return block
         value = self._start(block.name)
-        changed = map_values(replace(block, phis=()), lambda v: value if v == mine else v)
-        return replace(changed, phis=phis)
+        made = map_values(changed(block, phis=()), lambda v: value if v == mine else v)
+        return changed(made, phis=phis)
+
+    def _is_mine(self, value: Value) -> bool:
+        return isinstance(value, Ref) and value.id == self.ident
+
+    def _comes_into(self, phi: Phi) -> bool:
+        return any(self._is_mine(value) for _, value in phi.incoming)
+
+    def _filled(self, phi: Phi) -> Phi:
+        incoming = (
+            (name, self._end(name) if self._is_mine(value) else value)
+            for name, value in phi.incoming
+        )
+        return changed(phi, incoming=tuple(incoming))
 
     def _reads(self, block: Block) -> bool:
-        mine = Ref(self.ident)
-        if mine in block.branch.read:
-            return True
-        return any(mine in instr.operands for instr in block.instrs)
+        return any(map(self._is_mine, uses(block)))
 
     def _end(self, name: str) -> Value:
         return self.at_end[name] if name in self.at_end else self._start(name)
