@@ -42,7 +42,7 @@ def full() -> Negotiation:
     one = Negotiation(problem, II, frame, 1)
     for node in range(PES * II):
         enter(one.task.nodes, one.task.array, one.places, node, -1)
-        lie(one.places, II, node, node % PES, node // PES)
+        lie(one.task, one.places, node, node % PES, node // PES)
         enter(one.task.nodes, one.task.array, one.places, node, 1)
     assert broken(one.task, one.places) == 0
     traffic = new_traffic(one.mrrg, one.task, one.room)

@@ -13,11 +13,9 @@ from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Kind, Phi, Ref,
 
 def next_id(function: Function) -> int:
     """An SSA id larger than all in use."""
-    most = -1
-    for block in function.blocks:
-        for item in block.items:
-            most = max(most, item.id)
-    return most + 1
+    phis = [phi.id for block in function.blocks for phi in block.phis]
+    instrs = [instr.id for block in function.blocks for instr in block.instrs]
+    return max(max(phis, default=-1), max(instrs, default=-1)) + 1
 
 
 class FreshIds:

@@ -145,12 +145,11 @@ def pipelined_loops(function: Function) -> tuple[Loop, ...]:
     `sequential`.
     """
     every = find_loops(function)
+    headers = frozenset(loop.header for loop in every)
     return tuple(
         loop
         for loop in every
-        if loop.exits
-        and loop.header not in function.sequential
-        and not any(other is not loop and other.header in loop.blocks for other in every)
+        if loop.exits and loop.header not in function.sequential and len(headers & loop.blocks) == 1
     )
 
 
