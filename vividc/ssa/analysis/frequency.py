@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 
+from vividc.host.once import once_each
 from vividc.machine.opcodes import Opcode
 from vividc.ssa.analysis.constant_trips import constant_trips
 from vividc.ssa.analysis.counters import counter_of
@@ -83,6 +84,17 @@ def frequencies(
     branches go to a block as often as `chances` says of it, or as sizes agree (`EQUAL`), or either
     way equally often. Blocks are all 1 if no branch ends some loop.
     """
+    return dict(_solved(function, tuple(trips.items()), tuple(chances.items())))
+
+
+@once_each
+def _solved(
+    function: Function,
+    known_trips: tuple[tuple[str, float], ...],
+    known_chances: tuple[tuple[str, float], ...],
+) -> Mapping[str, float]:
+    """As `frequencies`: whoever maps a stage asks again and again."""
+    trips, chances = dict(known_trips), dict(known_chances)
     index = {block.name: number for number, block in enumerate(function.blocks)}
     flow = np.eye(len(index))
     loops = find_loops(function)
