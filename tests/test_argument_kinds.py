@@ -16,7 +16,7 @@ from tests.fuzz.file_scenes import SCENES
 from tests.mapper.graphs import accumulator
 from vividc import mapper, render
 from vividc.gemm import Layer, choose, gemm, mlp, mlp_job, predict
-from vividc.launch import At, Job
+from vividc.launch import At, Job, Listed
 from vividc.render.array import render_array
 
 ODD = (None, 5, -1, 0.5, "5", b"5", [], [1], {}, object(), 10**30, np.float32(1), np.zeros(2))
@@ -114,6 +114,12 @@ CALLS: dict[str, Callable[[vividc.Program, Any], object]] = {
     "move_out target": lambda p, v: job(p).move_out(0, 0, v),
     "gather source": lambda p, v: job(p).gather(0, v, np.zeros(2, np.int32), 0),
     "gather indices": lambda p, v: job(p).gather(0, numbers(), v, 0),
+    "gather list": lambda p, v: job(p).gather(0, numbers(), Listed(v, 1), 0),
+    "scatter tile": lambda p, v: job(p).scatter(v, 0, numbers(), np.zeros(2, np.int32)),
+    "scatter address": lambda p, v: job(p).scatter(0, v, numbers(), np.zeros(2, np.int32)),
+    "scatter target": lambda p, v: job(p).scatter(0, 0, v, np.zeros(2, np.int32)),
+    "scatter indices": lambda p, v: job(p).scatter(0, 0, numbers(), v),
+    "scatter list": lambda p, v: job(p).scatter(0, 0, numbers(), Listed(0, v)),
     "verify dfg": lambda p, v: mapper.verify(v, *graph()[1:]),
     "verify fabric": lambda p, v: mapper.verify(graph()[0], v, graph()[2].mapping),
     "verify mapping": lambda p, v: mapper.verify(*graph()[:2], v),

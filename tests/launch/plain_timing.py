@@ -94,7 +94,7 @@ class TransferRun:
         machine = job.machine
         banks = min(machine.units[tile].scratchpad.banks for tile in step.tiles)
         line = max(WORD_BYTES, WORD_BYTES * (WORD_BYTES * banks // step.pitch))
-        is_chosen = step.kind == "gather" or step.count_at is not None
+        is_chosen = step.kind in ("gather", "scatter") or step.count_at is not None
         pieces = job.outcome.chosen[number] if is_chosen else step.pieces
         self.job, self.engine, self.number, self.step = job, engine, number, step
         self.age = next(job.ages)
@@ -149,7 +149,7 @@ class TransferRun:
 
     def ask(self, cycle: int) -> None:
         burst = self.bursts[self.sent]
-        if self.step.kind == "move out":
+        if self.step.kind in ("move out", "scatter"):
             self.job.noc.request(cycle, self.age, burst.noc_cycles, self.leaves_tile)
         else:
             self.job.dram.request(cycle, self.age, burst.dram_cycles, self.leaves_dram)

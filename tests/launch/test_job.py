@@ -28,6 +28,14 @@ def test_strided_pieces_go_in_and_out() -> None:
     assert np.count_nonzero(out) == 32
 
 
+def test_an_array_of_no_dimension_goes_in_and_out() -> None:
+    x, y = np.array(5, np.int32), np.array(0, np.int32)
+    job = Job("vivid")
+    job.move_out(2, 64, y, after=[job.move_in(2, x, 64)])
+    job.simulate()
+    assert y == 5
+
+
 def test_a_gather_takes_the_rows_that_earlier_steps_wrote() -> None:
     table = np.arange(40, dtype=np.int32).reshape(10, 4)
     rows = np.array([1, 2, 3], np.int32)
@@ -240,7 +248,9 @@ def test_a_gather_outside_its_array_is_refused() -> None:
     table = np.arange(8, dtype=np.int32)
     job = Job("vivid")
     job.gather(0, table, np.array([1, 8], np.int32), 0)
-    with pytest.raises(ArgumentError, match="row 8 of an array of 8"):
+    with pytest.raises(
+        ArgumentError, match=r"step 0 .gather. is told row 8 .* 8 rows, by number 1"
+    ):
         job.simulate()
 
 
@@ -259,6 +269,18 @@ def test_a_gather_outside_its_array_is_refused() -> None:
         (lambda job, x: job.move_out(0, 0, x, count_at="n"), "count_at"),
         (lambda job, x: job.move_out(0, 0, x[0, ...], count_at=64), "no rows to count"),
         (lambda job, x: job.gather(0, x, Listed(2, 1), 0), "list of indices starts at 2"),
+        (lambda job, x: job.gather(0, x, Listed(0, -1), 0), "of at most -1 indices"),
+        (lambda job, x: job.gather(0, x, Listed("n", 1), 0), "the address of a list"),
+        (lambda job, x: job.gather(0, x[::2], x, 0), "array of a gather is not C-contiguous"),
+        (lambda job, x: job.scatter(0, 0, x[::2], x), "array of a scatter is not C-contiguous"),
+        (lambda job, x: job.scatter(0, 0, x, x.reshape(2, 4)), "scatter's indices must be one-dim"),
+        (lambda job, x: job.scatter(0, 0, x, x.astype(np.int16)), "int32 or uint32"),
+        (lambda job, x: job.scatter(0, 32740, x, x), "bytes 32740 to 32772"),
+        (lambda job, x: job.scatter(0, 0, x, Listed(32768, 0)), "list of indices would lie at"),
+        (lambda job, x: job.scatter(0, 0, x, Listed(0, 8192)), "list of indices would lie at"),
+        (lambda job, x: job.scatter(0, 0, x, Listed(0, 1.5)), "the length of a list"),
+        (lambda job, x: job.scatter((0, 1), 0, x, x), "a tile"),
+        (lambda job, x: job.move_out((0, 1), 0, x), "a tile"),
         (lambda job, x: job.run(0, program(double), n=3), "At\\(address, shape\\)"),
         (lambda job, x: job.run(0, program(double), x=At(0, (3,))), "misses n"),
         (lambda job, x: job.run(0, program(double), x=At(2, (3,)), n=3), "multiple of 4"),
@@ -278,8 +300,10 @@ def test_a_program_for_another_tile_is_refused() -> None:
 def test_a_read_only_target_is_refused() -> None:
     x = np.arange(8, dtype=np.int32)
     x.flags.writeable = False
-    with pytest.raises(ArgumentError, match="read-only"):
+    with pytest.raises(ArgumentError, match="target of a move out is read-only"):
         Job("vivid").move_out(0, 0, x)
+    with pytest.raises(ArgumentError, match="target of a scatter is read-only"):
+        Job("vivid").scatter(0, 0, x, x)
 
 
 def test_a_job_needs_an_accelerator() -> None:

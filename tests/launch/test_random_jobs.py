@@ -61,6 +61,7 @@ class RandomJob:
         self.arrays: dict[str, Any] = {
             "table": rng.integers(0, 4, (12, 4), dtype=np.int32),
             "words": rng.integers(0, 6, (9, 6), dtype=np.int32),
+            "rows": rng.integers(0, rng.choice([9, 13]), 10, dtype=np.int32),
             "bytes": rng.integers(0, 9, 80, dtype=np.uint8),
             "flags": rng.random(40) < 0.5,
             "first": rng.integers(0, 7, PAD // 4, dtype=np.int32),
@@ -72,11 +73,20 @@ class RandomJob:
         self.acts: list[Callable[[], None]] = []
         self.moved: Counter[str] = Counter(dram_wanted=0, scratchpad_in=0, scratchpad_out=0)
         self.counts: list[int] = []
+        self.scattered: list[int] = []
+        self.chosen: dict[int, frozenset[int]] = {}
         self.last_run: dict[int, int] = {}
         for tile in range(TILES):
             self.job.configure(tile, program(double))
             self.note(tile, [], set(), lambda: None)
-        kinds = [self.move_in_some, self.move_out, self.move_out, self.gather, self.run]
+        kinds = [
+            self.move_in_some,
+            self.move_out,
+            self.move_out,
+            self.by_list,
+            self.by_list,
+            self.run,
+        ]
         self.fill()
         for _ in range(int(rng.integers(2, 14))):
             rng.choice(kinds)()
@@ -166,27 +176,57 @@ class RandomJob:
             uses.append((tile, frozenset(range(count_at, count_at + 4)), False))
         self.note(number, uses, set(after), act)
 
-    def gather(self) -> None:
-        """By the list that is anywhere in a scratchpad."""
-        table, tile, after = self.arrays["table"], int(self.rng.integers(TILES)), self.after()
-        most, at = int(self.rng.integers(0, 5)), 4 * int(self.rng.integers(PAD // 4 - 5))
-        address = 4 * int(self.rng.integers((PAD - 16 * most) // 4 + 1))
-        number = self.job.gather(tile, table, Listed(at, most), address, after=after)
+    def by_list(self) -> None:
+        """A gather or scatter, by a list in DRAM or anywhere in a scratchpad."""
+        rng, after, number = self.rng, self.after(), len(self.uses)
+        scatters, tile = bool(rng.random() < 0.6), int(rng.integers(TILES))
+        name = str(rng.choice(["table", "table", "table", *self.arrays]))
+        table = Part(name, slice(int(rng.choice([0, 0, 1])), None), self.arrays[name])
+        row, most = table.view[:1].nbytes, int(rng.integers(0, 5))
+        address = int(rng.integers(PAD - row * most + 1))
+        listed: Part | Listed = Listed(4 * int(rng.integers(PAD // 4 - 5)), most)
+        indices: Any = listed
+        said: Use = (tile, frozenset(range(listed.address, listed.address + 4 + 4 * most)), False)
+        if rng.random() < 0.6:
+            first = int(rng.integers(7))
+            listed = Part("rows", slice(first, first + most), self.arrays["rows"])
+            indices, said = listed.view, (listed.name, listed.bytes, False)
+            starts = [min(table.bytes) + row * n for n in indices.tolist()]
+            chosen = {byte for start in starts for byte in range(start, start + row)}
+            self.chosen[number] = table.bytes & chosen
+        if scatters:
+            added = self.job.scatter(tile, address, table.view, indices, after=after)
+        else:
+            added = self.job.gather(tile, table.view, indices, address, after=after)
 
         def act() -> None:
-            count = min(self.word(tile, at), most)
-            rows = [self.word(tile, at + 4 + 4 * n) for n in range(count)]
-            if any(row >= len(table) for row in rows):
+            rows, own = self.rows(tile, listed), table.of(self.copies)
+            if any(not 0 <= n < len(own) for n in rows):
                 raise Refused
-            raw = self.copies["table"][rows].view(np.uint8).ravel()
-            self.pads[tile][address : address + raw.size] = raw
-            read = 4 * (1 + count)
-            self.moved.update(dram_wanted=raw.size, scratchpad_in=raw.size, scratchpad_out=read)
+            put = self.pads[tile][address : address + row * len(rows)].reshape(len(rows), row)
+            for n, raw in zip(rows, put, strict=True):
+                if scatters:
+                    bits = (raw != 0).view(np.uint8) if own.dtype == np.bool_ else raw
+                    own[n : n + 1] = bits.view(own.dtype).reshape(1, *own.shape[1:])
+                else:
+                    raw[:] = own[n : n + 1].view(np.uint8).ravel()
+            way = "scratchpad_out" if scatters else "scratchpad_in"
+            self.moved.update({"dram_wanted": put.size, way: put.size})
+            self.scattered += [len(rows)] * scatters
 
-        listed = frozenset(range(at, at + 4 + 4 * most))
-        put = frozenset(range(address, address + 16 * most))
-        whole: Use = ("table", frozenset(range(table.nbytes)), False)
-        self.note(number, [whole, (tile, listed, False), (tile, put, True)], set(after), act)
+        span = frozenset(range(address, address + row * most))
+        uses: list[Use] = [(name, table.bytes, scatters), (tile, span, not scatters), said]
+        self.note(added, uses, set(after), act)
+
+    def rows(self, tile: int, listed: Part | Listed) -> list[int]:
+        """What a list says, and that it was read."""
+        if isinstance(listed, Part):
+            numbers: list[int] = listed.of(self.copies).tolist()
+            self.moved["dram_wanted"] += 4 * len(numbers)
+            return numbers
+        count = min(self.word(tile, listed.address), listed.most)
+        self.moved["scratchpad_out"] += 4 * (1 + count)
+        return [self.word(tile, listed.address + 4 + 4 * n) for n in range(count)]
 
     def run(self) -> None:
         tile, words, after = (
@@ -209,51 +249,59 @@ class RandomJob:
 
     def races(self) -> bool:
         """Whether two steps use the same bytes, one of them writing, without an order."""
+        uses = [list(some) for some in self.uses]
+        written = {place for some in uses for place, _, writes in some if writes}
+        for number, chosen in self.chosen.items() if "rows" not in written else ():
+            name, _, writes = uses[number][0]
+            uses[number][0] = (name, chosen, writes)
         before: list[set[int]] = []
         for direct in self.waits:
             before.append(direct.union(*(before[n] for n in direct)))
         return any(
             early not in before[late]
-            for early, late in combinations(range(len(self.uses)), 2)
-            for place, some, writes in self.uses[early]
-            for other, others, also in self.uses[late]
+            for early, late in combinations(range(len(uses)), 2)
+            for place, some, writes in uses[early]
+            for other, others, also in uses[late]
             if place == other and (writes or also) and some & others
         )
 
 
-def outcome(rng: np.random.Generator) -> tuple[str, list[int]]:
-    """How a job ended, and the counts that moves out read."""
+def outcome(rng: np.random.Generator) -> tuple[str, RandomJob]:
+    """How a job ended."""
     one = RandomJob(rng)
     untouched = {name: array.copy() for name, array in one.arrays.items()}
     if one.races():
         with pytest.raises(ArgumentError, match="their order is not given"):
             one.job.simulate()
-        return "race", []
+        return "race", one
     try:
         for act in one.acts:
             act()
     except Refused:
-        with pytest.raises(ArgumentError, match=r"is told to move|asks for row"):
+        with pytest.raises(ArgumentError, match=r"is told to move|is told row"):
             one.job.simulate()
         for name, array in one.arrays.items():
             np.testing.assert_array_equal(array, untouched[name])
-        return "refused", []
+        return "refused", one
     moved = one.job.simulate().stats["bytes"]
     assert {name: moved[name] for name in one.moved} == one.moved
     for name, array in one.arrays.items():
         np.testing.assert_array_equal(array, one.copies[name])
-    return "done", one.counts
+    return "done", one
 
 
 def test_jobs_do_what_their_steps_do_one_after_the_other() -> None:
     rng = np.random.default_rng(12)
-    ends, counts = Counter[str](), Counter[int]()
+    ends, counts, scattered = Counter[str](), Counter[int](), Counter[int]()
     for _ in range(120):
-        end, some = outcome(rng)
+        end, one = outcome(rng)
         ends[end] += 1
-        counts.update(some)
+        if end == "done":
+            counts.update(one.counts)
+            scattered.update(one.scattered)
     assert min(ends["race"], ends["refused"], ends["done"]) > 10, ends
     assert sum(counts[count] for count in counts if count) > 10, counts
+    assert sum(scattered[rows] for rows in scattered if rows) > 10, scattered
 
 
 @pytest.mark.slow

@@ -51,7 +51,7 @@ def random_pieces(rng: np.random.Generator, most: int) -> Pieces:
 
 
 class RandomJob:
-    """Steps that each wait for some before, and what their runs and gathers did."""
+    """Steps that each wait for some before, and what their runs and transfers by a list did."""
 
     def __init__(self, rng: np.random.Generator, machine: Accelerator) -> None:
         self.rng, self.machine = rng, machine
@@ -66,7 +66,8 @@ class RandomJob:
         number = len(self.steps)
         after = {int(n) for n in number - 1 - rng.integers(0, 12, 3) if n >= 0}
         chosen: dict[str, Any] = {"after": tuple(sorted(after)[: rng.integers(0, 4)])}
-        kind = rng.choice(["configure", "run", "run", "run", "move in", "move out", "gather"])
+        transfers = ["move in", "move out", "gather", "scatter"]
+        kind = rng.choice(["configure", "run", "run", "run", *transfers])
         several: tuple[int, ...] = ()
         for unit in {int(tile) for tile in rng.integers(0, units, 3)}:
             if self.machine.sharing[unit].isdisjoint(several):
@@ -89,8 +90,8 @@ class RandomJob:
             self.steps.append(self.transfer(kind, several, number, chosen))
 
     def transfer(self, kind, several, number, chosen) -> Transfer:
-        tiles = several[:1] if kind == "move out" else several
-        if kind == "gather":
+        tiles = several[:1] if kind in ("move out", "scatter") else several
+        if kind in ("gather", "scatter"):
             self.outcome.chosen[number] = random_pieces(self.rng, 30)
             if len(tiles) == 1 and self.rng.random() < 0.5:
                 chosen["listed"] = Listed(int(self.rng.choice([0, 36])), 900)

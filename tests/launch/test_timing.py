@@ -9,7 +9,7 @@ import vividc
 from tests.launch.kernels import double, program, saxpy
 from vividc import arch
 from vividc.arch import Accelerator
-from vividc.launch import At, Job, JobResult, SpreadOptions, spread
+from vividc.launch import At, Job, JobResult, Listed, SpreadOptions, spread
 from vividc.sim.engine import Launch
 from vividc.sim.tile import Tile
 
@@ -81,6 +81,49 @@ def test_a_gather_reads_its_indices_first() -> None:
     assert result.stats["bytes"]["dram_read"] == 32 + 4 * 32
 
 
+@pytest.mark.parametrize("listed", [False, True])
+def test_a_scatter_reads_its_indices_first(listed: bool) -> None:
+    table = np.zeros((100, 8), np.int32)
+    numbers = np.array([4, 3, 99, 3, 0], np.int32)
+    job = Job(machine())
+    moved = job.move_in(0, numbers, 2048)
+    job.scatter(0, 0, table, Listed(2048, 7) if listed else numbers[1:], after=[moved])
+    result = job.simulate()
+    cycles = [event.end - event.start for event in result.events if event.kind == "scatter"]
+    # A granule from DRAM, or a line of the scratchpad; then four lines, one granule each.
+    indices = SETUP + 1 + (NOC_LATENCY if listed else DRAM_LATENCY)
+    assert cycles == [indices + 1 + NOC_LATENCY + 1 + 3]
+    moved_bytes = result.stats["bytes"]
+    assert moved_bytes["dram_written"] == 4 * 32
+    assert moved_bytes["dram_read"] == (32 if listed else 2 * 32)
+    assert moved_bytes["scratchpad_out"] == 4 * 32 + (20 if listed else 0)
+    assert moved_bytes["noc"] == 20 + moved_bytes["scratchpad_out"]
+
+
+def test_a_scatter_of_no_rows_is_done_when_its_length_is_read() -> None:
+    """Without indices it is, after its setup."""
+    table = np.zeros((4, 8), np.int32)
+    job = Job(machine())
+    zero = job.move_in(0, np.zeros(1, np.int32), 2048)
+    listed = job.scatter(0, 0, table, Listed(2048, 2), after=[zero])
+    given = job.scatter(0, 0, table, np.zeros(0, np.int32), after=[listed])
+    cycles = {event.step: event.end - event.start for event in job.simulate().events}
+    assert (cycles[listed], cycles[given]) == (SETUP + 1 + NOC_LATENCY, SETUP)
+
+
+def test_rows_that_are_no_whole_granules_are_written_as_by_a_move_out() -> None:
+    """Of 12 bytes: one in two granules of 32, and one in a single one."""
+    table = np.zeros((100, 3), np.int32)
+    both = [Job(machine()), Job(machine())]
+    both[0].move_out(0, 0, table[2:10:7])
+    both[1].scatter(0, 0, table, np.array([2, 9], np.int32))
+    moved, scattered = (job.simulate() for job in both)
+    assert moved.cycles == SETUP + 1 + NOC_LATENCY + 2 + 1
+    assert scattered.cycles == moved.cycles + 1 + DRAM_LATENCY
+    assert moved.stats["bytes"]["dram_written"] == 3 * 32
+    assert scattered.stats["bytes"]["dram_written"] == 3 * 32
+
+
 @pytest.mark.parametrize("bursts", [0, 1, 3])
 def test_a_counted_transfer_reads_its_count_first(bursts: int) -> None:
     x = np.zeros((5, 64), np.int32)
@@ -105,19 +148,25 @@ def test_a_counted_transfer_reads_its_count_first(bursts: int) -> None:
         pytest.param([7, 8, 8, 11, 1], 4, 4, id="one that reaches into the next granule"),
     ],
 )
-def test_rows_of_a_gather_that_lie_together_are_one_piece(
-    rows: list[int], granules: int, cycles: int
-) -> None:
+def test_rows_that_lie_together_are_one_piece(rows: list[int], granules: int, cycles: int) -> None:
     """A granule holds four of them."""
     table = np.arange(200, dtype=np.int32).reshape(100, 2)
+    indices = SETUP + 1 + DRAM_LATENCY
     job = Job(machine())
     job.gather(0, table, np.array(rows, np.int32), 0)
     result = job.simulate()
-    indices = SETUP + 1 + DRAM_LATENCY
     assert result.cycles == indices + cycles + DRAM_LATENCY + NOC_LATENCY + 1
     assert result.stats["bytes"]["dram_read"] == 32 * (1 + granules)
     assert result.stats["bytes"]["dram_wanted"] == 4 * 5 + 40
     assert result.stats["bytes"]["scratchpad_in"] == 40
+    job = Job(machine())
+    job.scatter(0, 0, table, np.array(rows, np.int32))
+    result = job.simulate()
+    assert result.cycles == indices + cycles + NOC_LATENCY + 1
+    assert result.stats["bytes"]["dram_read"] == 32
+    assert result.stats["bytes"]["dram_written"] == 32 * granules
+    assert result.stats["bytes"]["dram_wanted"] == 4 * 5 + 40
+    assert result.stats["bytes"]["scratchpad_out"] == 40
 
 
 def test_two_engines_share_the_channel() -> None:

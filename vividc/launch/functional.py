@@ -37,9 +37,9 @@ class Outcome:
     runs
         What each run of a tile gave, by step.
     chosen
-        Places of the rows that each gather and each counted move out moved, by step.
+        Places of the rows that each gather, scatter and counted move out moved, by step.
     listed
-        How many indices each gather read in a scratchpad, by step.
+        How many indices each gather or scatter read in a scratchpad, by step.
     """
 
     runs: dict[int, Run] = field(default_factory=dict)
@@ -61,10 +61,11 @@ def carry_out(
     Raises
     ------
     SimulationError, ArgumentError
-        From a run, for a gather's index outside its array, or for a count of more rows than an
-        array has; no array is changed.
+        From a run, for an index outside the array of its gather or scatter, or for a count of more
+        rows than an array has; no array is changed.
     """
-    targets = [s.view for s in steps if isinstance(s, Transfer) and s.kind == "move out"]
+    leaving = (s.view for s in steps if isinstance(s, Transfer) and s.to_dram)
+    targets = list({id(view): view for view in leaving}.values())
     working = Working(buffers, {buffers.number(v) for v in targets})
     state = _State(accelerator, buffers, working, engine)
     state.prepare(steps)
@@ -165,16 +166,25 @@ class _State:
         """Move words; 64-bit elements do not occur."""
         for tile in step.tiles:
             self._take(tile)
-        if step.kind == "move out":
+        if step.kind == "scatter":
+            rows = self._rows(number, step)
+            raw = self._leaving(step, len(rows) * step.view[:1].nbytes)
+            self.working.write_rows(step.view, rows, raw)
+        elif step.kind == "move out":
             target = step.view if step.count_at is None else self._counted(number, step)
-            raw = self._at(step.tiles[0], step, target.nbytes).copy().view(np.uint8)
-            if target.dtype == np.bool_:
-                raw = (raw != 0).view(np.uint8)
-            self.working.write(target, raw)
-            return
+            self.working.write(target, self._leaving(step, target.nbytes))
+        else:
+            self._bring(number, step)
+
+    def _leaving(self, step: Transfer, size: int) -> NDArray[np.uint8]:
+        """So many bytes that leave a scratchpad, as elements of the array that they go to."""
+        raw = self._at(step.tiles[0], step, size).copy().view(np.uint8)
+        return (raw != 0).view(np.uint8) if step.view.dtype == np.bool_ else raw
+
+    def _bring(self, number: int, step: Transfer) -> None:
         view = self.working.read(step.view)
         if step.kind == "gather":
-            view = self._gathered(number, step, view)
+            view = view[self._rows(number, step)]
         raw = np.ascontiguousarray(view).reshape(-1).view(np.uint8)
         if view.dtype == np.bool_:
             raw = (raw != 0).view(np.uint8)
@@ -201,15 +211,17 @@ class _State:
         self.outcome.chosen[number] = self._buffers.pieces(rows)
         return rows
 
-    def _gathered(self, number: int, step: Transfer, view: Array) -> Array:
-        indices = self._indices(number, step).astype(np.int64)
-        wrong = indices[(indices < 0) | (indices >= len(view))]
+    def _rows(self, number: int, step: Transfer) -> NDArray[np.int64]:
+        """Those of its array that a gather or scatter moves, in their order."""
+        rows = self._indices(number, step).astype(np.int64)
+        wrong = np.flatnonzero((rows < 0) | (rows >= len(step.view)))
         if wrong.size:
             raise ArgumentError(
-                f"step {number} (gather) asks for row {wrong[0]} of an array of {len(view)} rows"
+                f"step {number} ({step.kind}) is told row {rows[wrong[0]]} of an array of "
+                f"{len(step.view)} rows, by number {wrong[0]} of its list"
             )
-        self.outcome.chosen[number] = self._buffers.rows(step.view, indices, self._granule)
-        return view[indices]
+        self.outcome.chosen[number] = self._buffers.rows(step.view, rows, self._granule)
+        return rows
 
     def _indices(self, number: int, step: Transfer) -> Array:
         if step.listed is None:

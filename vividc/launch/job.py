@@ -110,29 +110,60 @@ class Job:
         ArgumentError
             As for `move_in`, or the indices are not one-dimensional 32-bit integers.
         """
-        where = self._tiles(tiles)
+        where, known = self._tiles(tiles), self._after(after)
         array = _array(source)
-        if not array.flags.c_contiguous or array.ndim == 0:
-            raise ArgumentError("a gather's source must be a C-contiguous array")
-        base, known = self._buffers.pieces(array), self._after(after)
-        if isinstance(indices, Listed):
-            self._check_listed(indices, where)
-            step = Transfer("gather", where, address, base, array, after=known, listed=indices)
-        else:
-            chosen = _array(indices)
-            if chosen.dtype not in (np.int32, np.uint32) or chosen.ndim != 1:
-                text = "a gather's indices must be one-dimensional, of int32 or uint32"
-                raise ArgumentError(text)
-            pieces = self._buffers.pieces(chosen)
-            step = Transfer("gather", where, address, base, array, pieces, chosen, known)
-        self._fits(address, step.size, where)
-        self._own.refill(where, address, address + step.size)
-        return self._add(step)
+        base = self._buffers.pieces(array)
+        step = Transfer("gather", where, address, base, array, after=known)
+        return self._transfer(self._by_list(step, indices))
 
-    def _check_listed(self, listed: Listed, tiles: tuple[int, ...]) -> None:
-        if len(tiles) != 1:
-            raise ArgumentError("a gather by a list in a scratchpad is for one tile")
-        self._check_told(*listed.extent, tiles[0], "the list of indices", "a gather")
+    def scatter(
+        self,
+        tile: int,
+        address: int,
+        target: NDArray[np.generic],
+        indices: NDArray[np.generic] | Listed,
+        *,
+        after: Sequence[int] = (),
+    ) -> int:
+        """Copy rows from byte `address` of a tile's scratchpad, where they lie one after the other,
+        to `target[indices]`, whole rows of a C-contiguous array. The engine reads the indices when
+        the step runs: from DRAM, or from the tile's scratchpad. Rows are written in the order of
+        the list: of one that is there twice, the last stays.
+
+        Raises
+        ------
+        ArgumentError
+            As for `gather`, or the array is read-only.
+        """
+        where, known = self._one_tile(tile), self._after(after)
+        array = _target(target, "a scatter")
+        base = self._buffers.pieces(array)
+        step = Transfer("scatter", where, address, base, array, after=known)
+        return self._transfer(self._by_list(step, indices))
+
+    def _by_list(self, step: Transfer, indices: object) -> Transfer:
+        """A gather or scatter of the rows that a list says."""
+        what = f"a {step.kind}"
+        if not step.view.flags.c_contiguous or step.view.ndim == 0:
+            hint = (
+                "give an array of whole rows that lie one after the other, or a slice of its rows"
+            )
+            raise ArgumentError(f"the array of {what} is not C-contiguous", hint=hint)
+        if isinstance(indices, Listed):
+            if len(step.tiles) != 1:
+                raise ArgumentError(f"{what} by a list in a scratchpad is for one tile")
+            hint = "give Listed two whole numbers, from 0 on"
+            demand_type(indices.address, (int, np.integer), "the address of a list", hint)
+            demand_type(indices.most, (int, np.integer), "the length of a list", hint)
+            if indices.most < 0:
+                raise ArgumentError(f"a list is of at most {indices.most} indices", hint=hint)
+            self._check_told(*indices.extent, step.tiles[0], "the list of indices", what)
+            return replace(step, listed=indices)
+        chosen = _array(indices)
+        if chosen.dtype not in (np.int32, np.uint32) or chosen.ndim != 1:
+            text = f"{what}'s indices must be one-dimensional, of int32 or uint32"
+            raise ArgumentError(text, hint="convert them: indices.ravel().astype(np.int32)")
+        return replace(step, index_pieces=self._buffers.pieces(chosen), indices=chosen)
 
     def _check_told(self, start: int, end: int, tile: int, what: str, reader: str) -> None:
         """Check where something lies that the engine reads in a scratchpad to know what to move."""
@@ -165,10 +196,7 @@ class Job:
         ArgumentError
             As for `move_in`, or the array is read-only.
         """
-        where = self._tiles(tile)
-        array = _array(target)
-        if not array.flags.writeable:
-            raise ArgumentError("the target of a move out is read-only", hint="pass a copy")
+        where, array = self._one_tile(tile), _target(target, "a move out")
         pieces, known = self._buffers.pieces(array), self._after(after)
         step = Transfer("move out", where, address, pieces, array, None, None, known, pitch)
         if count_at is not None:
@@ -199,8 +227,8 @@ class Job:
 
     @property
     def moved(self) -> int:
-        """Bytes that all transfers move."""
-        return sum(step.view.nbytes for step in self._steps if isinstance(step, Transfer))
+        """Bytes that all transfers move, at most."""
+        return sum(step.size for step in self._steps if isinstance(step, Transfer))
 
     def holds(self, tiles: Sequence[int], program: Program) -> bool:
         """Whether these tiles hold a program after the steps so far."""
@@ -233,9 +261,8 @@ class Job:
             the kernel writes overlaps another.
         """
         demand_type(program, Program, "the program", "compile a kernel with vividc.compile")
-        demand_type(tile, (int, np.integer), "a tile", "give a tile's number, as 0")
+        where = self._one_tile(tile)
         demand_type(own_at, (int, type(None)), "own_at", "give a byte of the scratchpad, or None")
-        where = self._tiles(tile)
         inputs, extents = self._signature(program).bound(arguments)
         arguments_at = dict(extents)
         own = self._place_own(tile, program, inputs, extents, own_at)
@@ -338,7 +365,7 @@ class Job:
         )
 
     def _transfer(self, step: Transfer) -> int:
-        """A move in or out."""
+        """Check where a step moves bytes in the scratchpads, and add it."""
         demand_type(step.pitch, (int, np.integer), "the pitch", "give a whole number of bytes")
         demand_type(step.address, (int, np.integer), "the address", "give a whole number of bytes")
         apart = step.pitch != WORD_BYTES
@@ -346,10 +373,10 @@ class Job:
             raise ArgumentError(f"the pitch is {step.pitch} bytes, not a multiple of {WORD_BYTES}")
         if apart and (step.view.itemsize != WORD_BYTES or step.address % WORD_BYTES):
             raise ArgumentError("a transfer with a pitch moves whole words, at a multiple of 4")
-        start, end = step.extent(step.view.nbytes)
+        start, end = step.extent(step.size)
         self._fits(start, end - start, step.tiles)
-        if step.kind == "move out":
-            self._own.demand_kept(step.tiles[0], start, end, "a move out")
+        if step.to_dram:
+            self._own.demand_kept(step.tiles[0], start, end, f"a {step.kind}")
         else:
             self._own.refill(step.tiles, start, end)
         return self._add(step)
@@ -367,6 +394,10 @@ class Job:
             if not 0 <= number < len(self._steps):
                 raise ArgumentError(f"there is no step {number} to come after")
         return tuple(sorted(set(after)))
+
+    def _one_tile(self, tile: int) -> tuple[int, ...]:
+        demand_type(tile, (int, np.integer), "a tile", "give a tile's number, as 0")
+        return self._tiles(tile)
 
     def _tiles(self, tiles: int | Sequence[int]) -> tuple[int, ...]:
         hint = "give a tile's number, or a sequence of them"
@@ -434,6 +465,13 @@ def _array(value: object) -> NDArray[np.generic]:
     if value.dtype.kind not in "biuf" or value.itemsize > WORD_BYTES:
         raise ArgumentError(f"the accelerator does not support elements of {value.dtype}")
     return value
+
+
+def _target(value: object, what: str) -> NDArray[np.generic]:
+    array = _array(value)
+    if not array.flags.writeable:
+        raise ArgumentError(f"the target of {what} is read-only", hint="pass a copy")
+    return array
 
 
 def _refuse_overlap(program: Program, extents: ReadOnly[str, tuple[int, int]]) -> None:

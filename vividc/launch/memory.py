@@ -82,7 +82,7 @@ class Buffers:
     def rows(self, view: Array, indices: NDArray[np.int64], granule: int) -> Pieces:
         """The places of `view[indices]`; rows that follow each other in the array are one, and so
         are all in a row that lie in one granule of DRAM, of so many bytes, if they are together no
-        longer than it.
+        longer than it. With granules of one byte a place has the bytes of its rows, and no others.
         """
         number, row = self.number(view), view[:1].nbytes
         firsts = _changes(indices - np.arange(len(indices))).nonzero()[0]
@@ -113,6 +113,15 @@ class Working:
         """Give `view` in DRAM the elements whose bytes are `raw`, in C order."""
         copy = self._on_copy(view, self._buffers.number(view))
         copy[...] = raw.view(view.dtype).reshape(view.shape)
+
+    def write_rows(self, view: Array, rows: NDArray[np.int64], raw: NDArray[np.uint8]) -> None:
+        """Give these rows of `view` in DRAM the elements whose bytes are `raw`, one row after the
+        other: of a row that is there twice the last counts.
+        """
+        copy = self._on_copy(view, self._buffers.number(view))
+        elements = raw.view(view.dtype).reshape(len(rows), *view.shape[1:])
+        once, from_behind = np.unique(rows[::-1], return_index=True)
+        copy[once] = elements[len(rows) - 1 - from_behind]
 
     def commit(self, views: list[Array]) -> None:
         """Write the views, as they are in DRAM, into the caller's arrays."""

@@ -38,7 +38,7 @@ class OwnArrays:
     def note(self, step: Step) -> None:
         """A step was added: keep first bytes and ends of what it puts into its tiles."""
         if isinstance(step, Transfer):
-            if step.kind != "move out":
+            if not step.to_dram:
                 for tile in step.tiles:
                     self._held[tile][step.extent(step.size)] = None
         elif isinstance(step, Execute):

@@ -97,7 +97,7 @@ def simulate_steps(
 ) -> JobResult:
     """Carry a graph out (see `Job.simulate`)."""
     waits = predecessors(steps, accelerator.sharing)
-    check_order(steps, waits)
+    check_order(steps, waits, buffers)
     outcome = carry_out(accelerator, steps, waits, buffers, engine, cycle_limit, threads)
     timing = schedule(accelerator, steps, waits, outcome)
     return JobResult(

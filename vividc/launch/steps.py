@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from vividc.program import WORD_BYTES, Program
 
 Array = NDArray[np.generic]
-Kind = Literal["move in", "gather", "configure", "run", "move out"]
+Moving = Literal["move in", "gather", "move out", "scatter"]
+Kind = Literal[Moving, "configure", "run"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,7 +30,7 @@ class Pieces:
 @dataclass(frozen=True, slots=True)
 class Listed:
     """Indices that a run leaves in the scratchpad of its tile: the word at byte `address` says how
-    many follow it, of which a gather takes the first `most`.
+    many follow it, of which a gather or scatter takes the first `most`.
     """
 
     address: int
@@ -49,25 +50,27 @@ class Transfer:
     Attributes
     ----------
     tiles
-        Where it goes; several tiles get the same words at the same time. A move out has one.
+        Where it goes; several tiles get the same words at the same time. What leaves comes from
+        one.
     address
         First byte in the scratchpad.
     index_pieces
-        Where a gather's indices lie: they are read first, and go no further than the engine.
+        Where the indices of a gather or scatter lie: they are read first, and go no further than
+        the engine.
     listed
         Where they lie if that is in the scratchpad.
     count_at
         First byte of a word of the scratchpad that says how many rows of the array a move out
         moves; without it all move.
     view
-        The array whose elements move, as the caller gave it (gather: its chosen rows).
+        The array whose elements move, as the caller gave it (by indices: its chosen rows).
     after
         Steps that must be done before.
     pitch
         Bytes from a word to the next in the scratchpad.
     """
 
-    kind: Literal["move in", "gather", "move out"]
+    kind: Moving
     tiles: tuple[int, ...]
     address: int
     pieces: Pieces
@@ -78,6 +81,11 @@ class Transfer:
     pitch: int = WORD_BYTES
     listed: Listed | None = None
     count_at: int | None = None
+
+    @property
+    def to_dram(self) -> bool:
+        """Whether it goes from a scratchpad to DRAM."""
+        return self.kind in ("move out", "scatter")
 
     @property
     def told_at(self) -> tuple[int, int] | None:
@@ -91,10 +99,11 @@ class Transfer:
     @property
     def size(self) -> int:
         """Bytes that go to or from each scratchpad, at most."""
-        row = self.view[:1].nbytes
         if self.listed is not None:
-            return row * self.listed.most
-        return self.view.nbytes if self.indices is None else row * len(self.indices)
+            return self.listed.most * self.view[:1].nbytes
+        if self.indices is not None:
+            return len(self.indices) * self.view[:1].nbytes
+        return self.view.nbytes
 
     def places(self, size: int) -> slice:
         """Where `size` bytes lie: of the scratchpad's bytes if they lie together, else of its

@@ -132,7 +132,7 @@ def _kind(step: Step) -> int:
         return RUN
     if isinstance(step, Configure):
         return CONFIGURE
-    return MOVE_OUT if step.kind == "move out" else MOVE_IN
+    return MOVE_OUT if step.to_dram else MOVE_IN
 
 
 def _cycles(accelerator: Accelerator, steps: Sequence[Step], outcome: Outcome) -> Ints:
@@ -218,7 +218,7 @@ def _bursts(
 
 
 def _index_spans(step: Transfer, listed: int) -> Ints:
-    """Where a gather's indices lie, in DRAM, or in a scratchpad so many behind their number; or
+    """Where a transfer's indices lie, in DRAM, or in a scratchpad so many behind their number; or
     where the count of a move out does.
     """
     if step.told_at is not None:

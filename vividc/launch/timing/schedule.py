@@ -108,7 +108,7 @@ def schedule(
     waits
         Steps that each step waits for.
     outcome
-        Cycles of the runs, and the rows that gathers and counted moves moved.
+        Cycles of the runs, and the rows that transfers by a list or a count moved.
     """
     graph = new_graph(accelerator, steps, waits, outcome)
     state = new_state(accelerator, graph)

@@ -7,8 +7,8 @@ from typing import Final, NamedTuple
 from vividc.launch.flat import Ints, Ints2
 
 MOVE_IN, MOVE_OUT, CONFIGURE, RUN = 0, 1, 2, 3
-"""Kinds of steps; a gather is a move in whose indices are bursts, too, as is the count of a move
-out that has one.
+"""Kinds of steps; a gather is a move in, and a scatter a move out, whose indices are bursts, too,
+as is the count of a move out that has one.
 """
 
 SIZE, DRAM_BYTES, DRAM_CYCLES, NOC_CYCLES, PAD_CYCLES, OWNER = range(6)
@@ -63,8 +63,8 @@ class Graph(NamedTuple):
     configurations
         The configuration steps.
     index_begin, data_begin, data_end
-        By step: the bursts that read a gather's indices or a move's count, and behind them those
-        that move the data.
+        By step: the bursts that read a transfer's indices or count, and behind them those that move
+        the data.
     bursts
         [n, 6]: see the columns.
     """

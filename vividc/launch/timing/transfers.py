@@ -75,18 +75,25 @@ def _go_on(graph: Graph, queues: Queues, step: int, burst: int, cycle: int) -> N
 @inlined
 def ask(graph: Graph, queues: Queues, state: State, burst: int, cycle: int) -> None:
     """The engine asks for its next burst where that begins."""
-    step = graph.bursts[burst, OWNER]
-    leaves_tile = graph.kind[step] == MOVE_OUT or _is_list(graph, burst)
-    server = NETWORK if leaves_tile else CHANNEL
+    server = NETWORK if _leaves_tile(graph, burst) else CHANNEL
     ask_for(graph, queues, state, server, burst, cycle)
 
 
 @inlined
 def _is_list(graph: Graph, burst: int) -> bool:
-    """Whether a burst brings a gather's indices or a move's count from a scratchpad: it never
-    crosses the channel.
+    """Whether a burst brings a transfer's indices or count from a scratchpad: it never crosses the
+    channel.
     """
     return bool(graph.bursts[burst, DRAM_CYCLES] == 0)
+
+
+@inlined
+def _leaves_tile(graph: Graph, burst: int) -> bool:
+    """Whether a burst comes from a scratchpad; a scatter's indices may come from DRAM."""
+    step = graph.bursts[burst, OWNER]
+    if burst < graph.data_begin[step]:
+        return _is_list(graph, burst)
+    return bool(graph.kind[step] == MOVE_OUT)
 
 
 @inlined
@@ -107,7 +114,7 @@ def take_channel(
     step = graph.bursts[burst, OWNER]
     left = cycle + graph.bursts[burst, DRAM_CYCLES]
     state.moved[DRAM_WANTED] += graph.bursts[burst, SIZE]
-    if graph.kind[step] == MOVE_OUT:
+    if _leaves_tile(graph, burst):
         state.moved[DRAM_WRITTEN] += graph.bursts[burst, DRAM_BYTES]
         at(queues, left, WRITTEN, burst)
         return
@@ -131,10 +138,10 @@ def take_noc(
     step = graph.bursts[burst, OWNER]
     passed = _pass_ports(graph, state, burst, cycle + machine.noc_latency)
     state.moved[NOC] += graph.bursts[burst, SIZE]
-    is_list = _is_list(graph, burst)
-    if graph.kind[step] != MOVE_OUT and not is_list:
+    if not _leaves_tile(graph, burst):
         at(queues, passed, ARRIVE_AT_TILE, burst)
         return
+    is_list = _is_list(graph, burst)
     state.moved[SCRATCHPAD_OUT] += graph.bursts[burst, SIZE]
     tile = graph.tile_items[graph.tile_begin[step]]
     take_banks(queues, state, tile, graph.bursts[burst, PAD_CYCLES], cycle)
