@@ -126,9 +126,14 @@ class Job:
         after: Sequence[int] = (),
     ) -> int:
         """Copy rows from byte `address` of a tile's scratchpad, where they lie one after the other,
-        to `target[indices]`, whole rows of a C-contiguous array. The engine reads the indices when
-        the step runs: from DRAM, or from the tile's scratchpad. Rows are written in the order of
-        the list: of one that is there twice, the last stays.
+        to `target[indices]`, whole rows of a C-contiguous array.
+
+        Parameters
+        ----------
+        indices
+            [n] int32 or uint32 in DRAM, or where a run lists them in the tile's scratchpad: the
+            engine reads them when the step runs. Rows are written in this order: of one that is
+            there twice, the last stays.
 
         Raises
         ------
@@ -349,7 +354,8 @@ class Job:
         ------
         ArgumentError
             The graph's result would depend on timing: two steps use the same bytes, at least one
-            of them writes, and nothing orders them.
+            of them writes, and nothing orders them. Or a list names a row that its array does not
+            have, or a count says more rows than there are.
         SimulationError
             A program broke a rule of the machine, or ran past `cycle_limit`.
         """
