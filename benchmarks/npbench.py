@@ -13,7 +13,7 @@ import os
 import subprocess
 import sys
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from types import ModuleType
@@ -50,6 +50,8 @@ NOTES: Final = [
     "- operations / 16: float operations that the kernel as written executes, an FMA being one,",
     "  over the PEs of a tile.",
     "- compile s: seconds of user CPU.",
+    "",
+    "The matrix of spmv is made without SciPy, which NPBench's own function needs.",
 ]
 RTOL: Final = 1e-4
 _MOST: Final = 14
@@ -58,6 +60,7 @@ _FEW_STEPS: Final = 3
 _SIZES: Final[Mapping[str, Mapping[str, float]]] = {
     "heat_3d": {"N": 9},
     "stockham_fft": {"R": 2, "K": 4},
+    "spmv": {"M": 14, "N": 14, "nnz": 40},
     "lenet": {"N": 1, "H": 28, "W": 28},
     "conv2d": {"N": 2, "C_in": 2, "C_out": 3, "K": 3, "H": 8, "W": 8},
     "resnet": {"N": 1, "W": 6, "H": 6, "C1": 4, "C2": 3},
@@ -190,12 +193,25 @@ def _found(suites: Path, name: str) -> tuple[list[object], Any]:
     values: dict[str, object] = dict(sizes)
     init = known.get("init")
     if init:
-        maker = getattr(_module(path.with_name(f"{name}.py")), init["func_name"])
+        maker = _MADE.get(name) or getattr(_module(path.with_name(f"{name}.py")), init["func_name"])
         made = maker(*(sizes[given] for given in init["input_args"]))
         made = made if isinstance(made, tuple) else (made,)
         values |= dict(zip(init["output_args"], made, strict=True))
     arguments = [_narrowed(values[given]) for given in known["input_args"]]
     return arguments, getattr(_module(path), known["func_name"])
+
+
+def _sparse_matrix(rows: int, columns: int, count: int) -> tuple[np.ndarray, ...]:
+    """A random matrix in CSR form and a vector, as NPBench makes them with SciPy."""
+    rng = np.random.default_rng(42)
+    x = rng.random(columns)
+    places = np.sort(rng.choice(rows * columns, count, replace=False))
+    starts = np.searchsorted(places, columns * np.arange(rows + 1))
+    return starts.astype(np.uint32), (places % columns).astype(np.uint32), rng.random(count), x
+
+
+_MADE: Final[Mapping[str, Callable[..., tuple[np.ndarray, ...]]]] = {"spmv": _sparse_matrix}
+"""What makes arguments in place of NPBench's own function."""
 
 
 def _described(suites: Path, name: str) -> dict[str, Any]:

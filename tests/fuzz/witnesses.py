@@ -56,6 +56,9 @@ ROUGH = frozenset("g")
 _ENTRIES = (32, 8, 12, 6, 32)
 """Of each constant store, by seed."""
 
+_CONTEXTS = (512, 48, 512)
+"""Of the configuration memory, by seed: of some tiles it holds part of a program only."""
+
 Simulated = Literal["", "blocks", "mapped", "tiles"]
 """Whether the simulator is a witness, and whether loops are scheduled for it or run in blocks, or
 are spread over tiles (`spreads`).
@@ -174,10 +177,24 @@ def mapped(kernel: KernelFunction, source: str, seed: int) -> Program:
 
 
 def _tile(seed: int) -> Fabric:
-    """A tile whose constant stores may be so small that variables share their entries."""
-    tile = arch.load_tile("vivid-tile")
+    """A tile whose constant stores may be so small that variables share their entries, and whose
+    configuration memory may be so small that contexts are brought as they are needed.
+    """
+    tile = _with_contexts(arch.load_tile("vivid-tile"), _CONTEXTS[seed % len(_CONTEXTS)])
     entries = _ENTRIES[seed % len(_ENTRIES)]
     return replace(tile, pes=tuple(replace(pe, constants=entries) for pe in tile.pes))
+
+
+def _with_contexts(tile: Fabric, contexts: int) -> Fabric:
+    return replace(tile, controller=replace(tile.controller, contexts=contexts))
+
+
+def _in_few_contexts(program: Program, seed: int) -> Program:
+    """Every other program: on a tile that holds little more than its longest region."""
+    if seed % 2 or any(row.drain or row.fill for row in program.table):
+        return program
+    longest = max(row.ii for row in program.table)
+    return replace(program, fabric=_with_contexts(program.fabric, longest + seed % 5))
 
 
 def _of_a_model(kernel: KernelFunction, seed: int) -> KernelFunction:
@@ -215,7 +232,7 @@ def _run(module: ModuleType, source: str, seed: int, simulate: Simulated) -> tup
     if simulate == "mapped":
         program = mapped(kernel, source, seed)
     elif simulate == "blocks":
-        program = words_in_blocks(tried[-1].function)
+        program = _in_few_contexts(words_in_blocks(tried[-1].function), seed)
     rough = frozenset(n for n, param in enumerate(kernel.params, 1) if param.name in ROUGH)
     tried: tuple[str, ...] = ()
     for trial in range(TRIALS):

@@ -58,6 +58,7 @@ from vividc.mapper.result import mapping_of
 from vividc.program import CUT_SHORT, Program, encode
 from vividc.program.encoder.encode import check_contexts, with_designs
 from vividc.program.encoder.programmable import demand_programmable
+from vividc.program.reloads import most_contexts
 from vividc.ssa.analysis.frequency import NO_TRIPS
 from vividc.ssa.formats.in_format import in_format
 from vividc.ssa.formats.precision import (
@@ -92,6 +93,9 @@ class CompileOptions(MapOptions):
         kernel made of a function that numba has compiled with `fastmath` has this leave.
     precision
         Formats of functions, from `parse_precision`.
+    resident
+        The configuration memory holds all of the program: tiles of an accelerator bring no contexts
+        while they run.
     """
 
     strict_fp: bool = False
@@ -99,6 +103,7 @@ class CompileOptions(MapOptions):
     loops: LoopOptions = field(default_factory=LoopOptions)
     reassociate: bool = False
     precision: Precision = ()
+    resident: bool = False
 
 
 def compile(  # noqa: PLR0913 - the public contract, plus keywords
@@ -181,6 +186,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
         loops=wanted,
         reassociate=reassociate or (isinstance(kernel, KernelFunction) and kernel.fastmath),
         precision=parse_precision(precision),
+        resident=isinstance(loaded, Accelerator),
     )
     grace_s = _GRACE_S + _GRACE_SHARE * time_limit_s
     name, loc = kernel.name, kernel.loc
@@ -382,6 +388,8 @@ def _map_stage(
     it is a transformed one. None: it is sure to take so many cycles; whoever looks on sees it all.
     """
     sequential: dict[str, str] = {}
+    held = estimator.fabric.controller.contexts
+    most = held if options.resident or not last_resort else most_contexts(estimator.fabric)
     demanded = frozenset[str]() if last_resort else frozenset(stage.state.made)
     while True:
         function = stage.state.function
@@ -389,7 +397,7 @@ def _map_stage(
             function = replace(function, sequential=frozenset(sequential))
         function = _prepared(function, stage, estimator)
         function = spaced(function, estimator, stage.state.hints)
-        kernel = _kernel_of(function, estimator)
+        kernel = _kernel_of(function, estimator, most)
         runs = Runs.of(estimator.expected(function, kernel, stage.state.hints))
         race = Race(estimator, function, stage.state.hints, math.inf if is_watched() else below)
         mapping = partial(
@@ -414,6 +422,8 @@ def _map_stage(
         sequential |= dict.fromkeys(made.headers, why)
     mapped, results = made
     mappings = {index: mapping_of(result) for index, result in results.items()}
+    used = sum(one.ii for one in mappings.values())
+    check_contexts(mapped, estimator.fabric, used, most)
     encoding = partial(
         encode,
         mapped,
@@ -450,10 +460,10 @@ def _prepared(function: Function, stage: Stage, estimator: Estimator) -> Functio
     return watched("prepare", prepare)
 
 
-def _kernel_of(function: Function, estimator: Estimator) -> Kernel:
+def _kernel_of(function: Function, estimator: Estimator, most: int) -> Kernel:
     """The function's regions with optimised graphs; too many contexts are refused first."""
     built = watched("build-kernel", lambda: estimator.built(function))
-    check_contexts(built, estimator.fabric, estimator.contexts(built), "at least ")
+    check_contexts(built, estimator.fabric, estimator.contexts(built), most, "at least ")
     return watched("optimize", lambda: estimator.optimized_kernel(built))
 
 

@@ -220,7 +220,8 @@ class Job:
         Raises
         ------
         ArgumentError
-            The program was not compiled for the accelerator's north-west tile.
+            The program was not compiled for the accelerator's north-west tile, or has more contexts
+            than a tile holds.
         """
         where = self._tiles(tiles)
         images = tuple(self._image(program, tile) for tile in where)
@@ -445,6 +446,13 @@ class Job:
                     f"{program.name} was compiled for {program.fabric_name}, and {what} of "
                     f"{self.accelerator.name} {'is' if grouped else 'are'} {home.name}",
                     hint=f"compile it with fabric={self.accelerator.name!r}",
+                )
+            most = home.controller.contexts
+            if len(program.words) > most:
+                raise ArgumentError(
+                    f"{program.name} has {len(program.words)} contexts, and a tile of "
+                    f"{self.accelerator.name} holds {most}",
+                    hint="simulate it on one tile, which brings contexts: leave the fabric out",
                 )
             image = program
             if not grouped:

@@ -67,6 +67,7 @@ def _whole(program: Program, args: Sequence[object], kwargs: Mapping[str, object
         "error": "",
         "value": "" if result.value is None else repr(result.value),
         "switch_cycles": result.stats["switch_cycles"],
+        "reload_cycles": result.stats["reload_cycles"],
         "regions": [_region(region) for region in result.stats["regions"]],
     }
 

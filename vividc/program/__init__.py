@@ -1,7 +1,8 @@
 """Configuration words, region table, memory layout: one versioned bundle.
 
 In order: `memory` (where arrays lie), `design` (graphs and mappings as text), `tables` (regions,
-launch, reports), `bundle` (the `.vivid` file), `program`, `dataflow` (where each word comes from),
+launch, reports), `bundle` (the `.vivid` file), `program`, `reloads` (of those longer than the
+configuration memory), `dataflow` (where each word comes from),
 `overlaps/` (words that belong to two regions), `faults` (contradictions in one) and
 `reading`, `kept` (in the cache); `words/` (the configuration word), `encoder/` (from mappings to
 words), `disasm`.

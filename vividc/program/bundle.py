@@ -57,6 +57,8 @@ DRAINING: Final = "vividc.program/6"
 """Of a program with regions that begin while loops end: a reader of before would run neither."""
 FILLING: Final = "vividc.program/7"
 """Of a program with loops that begin while regions end: a reader of before would run neither."""
+RELOADING: Final = "vividc.program/8"
+"""Of a program longer than the configuration memory: a reader of before would run none of it."""
 _MANIFEST: Final = "program.json"
 _ARRAYS: Final = ("words", "images", "images_set")
 _EPOCH: Final = (1980, 1, 1, 0, 0, 0)
@@ -162,9 +164,9 @@ class BundleReader:
         text = self._member(_MANIFEST)
         demand_few_values(text, BUNDLE_BYTES, self.path, BundleError)
         schema = _schema(text)
-        if schema not in (SCHEMA, SIZED, NESTED, RETURNING, DRAINING, FILLING):
+        if schema not in (SCHEMA, SIZED, NESTED, RETURNING, DRAINING, FILLING, RELOADING):
             raise BundleError(
-                f"schema {quoted(schema)}, and this version reads {SCHEMA!r} to {FILLING!r}",
+                f"schema {quoted(schema)}, and this version reads {SCHEMA!r} to {RELOADING!r}",
                 hint="compile the kernel again with this version",
             )
         return _ADAPTER.validate_json(text, strict=True)

@@ -9,6 +9,7 @@ from vividc.machine.parallel import is_well_formed
 from vividc.machine.params import HIGH_SUFFIX, WIDE_DTYPES, DType, Param, is_formula
 from vividc.machine.product import Product
 from vividc.program.program import Program
+from vividc.program.reloads import most_contexts
 from vividc.program.tables import RegionRow
 from vividc.ssa.ir import pitch_of
 
@@ -21,12 +22,14 @@ def faults(program: Program) -> Iterator[str]:
     the words themselves.
     """
     contexts, rows = program.words.shape[0], len(program.table)
-    if contexts > program.fabric.controller.contexts or not rows:
+    if contexts > most_contexts(program.fabric) or not rows:
         yield f"{contexts} contexts and {rows} regions do not fit the fabric"
     if len(program.regions) != rows:
         yield "its reports and its region table differ in length"
     for index, row in enumerate(program.table):
         yield from _row_faults(index, row, contexts, rows)
+        if row.ii > program.fabric.controller.contexts:
+            yield f"region {index} is longer than the configuration memory"
     yield from _store_faults(program)
     unknown = {item.key for item in program.launch} - _input_keys(program)
     unknown -= {f"&{local.name}" for local in program.locals}

@@ -22,6 +22,7 @@ from vividc.program.bundle import (
     DRAINING,
     FILLING,
     NESTED,
+    RELOADING,
     RETURNING,
     SCHEMA,
     SIZED,
@@ -250,6 +251,8 @@ def _manifest(program: Program) -> Manifest:
 
 def _schema(program: Program) -> str:
     """The oldest whose readers understand all of it."""
+    if len(program.words) > program.fabric.controller.contexts:
+        return RELOADING
     if any(row.fill for row in program.table):
         return FILLING
     if any(row.drain for row in program.table):

@@ -160,6 +160,8 @@ class Run:
         Cycles from the first of region 0 to the last of the last region, stalls included.
     switch_cycles
         Those of them that passed between regions.
+    reload_cycles
+        Those of these in which contexts were brought (docs/machine.md, "Long programs").
     memory
         Scratchpad contents at the end: uint32 words.
     value
@@ -176,6 +178,7 @@ class Run:
     value: int | None
     counts: Counts
     engine: str = "reference"
+    reload_cycles: int = 0
 
     @property
     def regions(self) -> tuple[RegionRun, ...]:

@@ -38,7 +38,8 @@ class RegionStats(TypedDict):
 class Stats(TypedDict):
     """A whole run.
 
-    `cycles` = the regions' cycles + `switch_cycles`; `stalls` are part of the regions' cycles.
+    `cycles` = the regions' cycles + `switch_cycles`; `stalls` are part of the regions' cycles, and
+    `reload_cycles`, in which contexts of a long program were brought, of `switch_cycles`.
     `cycles_by_use`: the regions', and "switch": between them. The other counts are the regions'
     sums. `engine`: the engine that ran it; it changes nothing else.
     """
@@ -46,6 +47,7 @@ class Stats(TypedDict):
     engine: str
     cycles: int
     switch_cycles: int
+    reload_cycles: int
     stalls: dict[str, int]
     cycles_by_use: dict[str, int]
     operations: dict[str, int]
@@ -70,6 +72,7 @@ def statistics(program: Program, run: Run) -> Stats:
         engine=run.engine,
         cycles=run.cycles,
         switch_cycles=run.switch_cycles,
+        reload_cycles=run.reload_cycles,
         stalls={"bank_conflict": sum(region.bank_stalls for region in run.regions)},
         cycles_by_use={**uses, "switch": run.switch_cycles},
         operations=dict(sorted(operations.items())),

@@ -275,7 +275,9 @@ def _print_regions(program: Program, result: Result) -> None:
     print_table(
         title, columns, rows, numeric=("II", "entries", "iterations", "cycles", "stalls", "use")
     )
-    click.echo(f"cycles: {result.cycles} ({stats['switch_cycles']} between regions)")
+    brought, between = stats["reload_cycles"], f"{stats['switch_cycles']} between regions"
+    between += f", {brought} of them to bring contexts" if brought else ""
+    click.echo(f"cycles: {result.cycles} ({between})")
 
 
 def _print_outcome(

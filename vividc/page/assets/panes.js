@@ -144,7 +144,7 @@ function showBounds() {
 function showRun() {
   if (!run) return;
   byId("run-pane").hidden = false;
-  byId("run-note").textContent = run.cycles === null ? "" : `${run.cycles.toLocaleString("en")} cycles, ${run.switch_cycles.toLocaleString("en")} of them between regions`;
+  byId("run-note").textContent = run.cycles === null ? "" : `${run.cycles.toLocaleString("en")} cycles, ${run.switch_cycles.toLocaleString("en")} of them between regions${run.reload_cycles ? `, ${run.reload_cycles.toLocaleString("en")} to bring contexts` : ""}`;
   const parts = [];
   if (run.error || run.stopped) parts.push(make("p", { class: "error", role: "alert", text: run.error || run.stopped }));
   if (run.value) parts.push(make("p", { text: `returned value: ${run.value}` }));

@@ -28,6 +28,7 @@ from vividc.program.encoder.constants import ConstantStores, allocate, return_hi
 from vividc.program.encoder.lower import Ahead, LoweredRegion, Rest, lower_region
 from vividc.program.overlaps.parts import parts
 from vividc.program.program import Program
+from vividc.program.reloads import most_contexts
 from vividc.program.tables import (
     BoundReport,
     Option,
@@ -70,8 +71,8 @@ def encode(
     Raises
     ------
     KernelError
-        The regions together need more contexts than the fabric has, or an address immediate is too
-        large.
+        The regions together need more contexts than a program may have (`reloads`), or an address
+        immediate is too large.
     InternalError
         A mapping breaks a rule of the machine (docs/machine.md), or mappings contradict each other.
     """
@@ -79,7 +80,7 @@ def encode(
     for index, region in enumerate(kernel.regions):
         check_region(region, mappings[index], fabric)
     table = _table(kernel, fabric, mappings)
-    check_contexts(kernel, fabric, sum(row.ii for row in table))
+    check_contexts(kernel, fabric, sum(row.ii for row in table), most_contexts(fabric))
     _check_locals(kernel, fabric)
     rows = _reports(kernel, fabric, table, mappings, reports or {})
     traffic = traffic_of(kernel, fabric, mappings, iterations)
@@ -213,21 +214,29 @@ def _table(
     return tuple(rows)
 
 
-def check_contexts(kernel: Kernel, fabric: Fabric, used: int, at_least: str = "") -> None:
-    """Refuse a kernel that needs more contexts than the fabric has, or `at_least` more.
+def check_contexts(
+    kernel: Kernel, fabric: Fabric, used: int, most: int, at_least: str = ""
+) -> None:
+    """Refuse a kernel that needs more than `most` contexts, or `at_least` more.
 
     Raises
     ------
     KernelError
         It does.
     """
-    if used > fabric.controller.contexts:
+    if used > most:
         raise KernelError(
             f"{kernel.name} needs {at_least}{used} contexts and fabric {fabric.name} has "
-            f"{fabric.controller.contexts}",
+            f"{fabric.controller.contexts}" + _in_all(most, fabric),
             loc=kernel.file or None,
             hint="split the kernel, unroll less, or raise `controller.contexts` of the fabric",
         )
+
+
+def _in_all(most: int, fabric: Fabric) -> str:
+    if most == fabric.controller.contexts:
+        return ""
+    return f", of which a program may have {most}"
 
 
 def _check_locals(kernel: Kernel, fabric: Fabric) -> None:

@@ -10,6 +10,7 @@ from vividc.program.dataflow import RegionFlow
 from vividc.program.overlaps.sides import Side
 from vividc.program.overlaps.words import Contexts, part_of, times_of_moves
 from vividc.program.program import Program
+from vividc.program.reloads import LONG, reloads_of
 from vividc.program.tables import RegionRow
 from vividc.program.words.entry import Entry
 
@@ -26,7 +27,7 @@ def drain_fault(program: Program, loop: int) -> str | None:
         return "its last iteration has not run for so long"
     if not program.fabric.is_plain:
         return f"the fabric {program.fabric.name} does not support it"
-    return None
+    return None if reloads_of(program) is None else LONG
 
 
 def rest_of(row: RegionRow, contexts: Contexts, flow: RegionFlow) -> Side:

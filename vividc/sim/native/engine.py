@@ -113,6 +113,7 @@ class _Running:
         return Run(
             cycles=int(state.context[Place.CYCLE]),
             switch_cycles=int(state.context[Place.SWITCH_CYCLES]),
+            reload_cycles=int(state.context[Place.RELOAD_CYCLES]),
             memory=state.scratchpad,
             value=returned(self._program, partial(state.word_at, plan.layout)),
             counts=ByRegion(sums.regions(self._elsewhere)) if self._elsewhere else sums,

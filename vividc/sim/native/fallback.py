@@ -8,6 +8,7 @@ from dataclasses import astuple, replace
 import numpy as np
 
 from vividc.program import Program
+from vividc.program.reloads import reloads_of
 from vividc.sim.engine import Launch
 from vividc.sim.native.plan.counts import Totals
 from vividc.sim.native.plan.layout import BITS, Layout, Place
@@ -53,12 +54,23 @@ class Fallback:
         switches = 0
         if following is not None and not run.is_left and not has_begun:
             switches = self._program.fabric.controller.switch_cycles
+            switches += self._reload(machine, following)
             tile.cycle += switches
             tile.check_limit(region.index, tile.cycle)
         machine.context[Place.NEXT] = -1 if following is None else following
         machine.context[Place.SWITCH_CYCLES] += switches
         self._write_back(tile, machine)
         return _totals(run, overlap)
+
+    def _reload(self, machine: MachineState, region: int) -> int:
+        """Bring a region's contexts if they are not held; cycles that takes."""
+        reloads = reloads_of(self._program)
+        if reloads is None:
+            return 0
+        cycles, held = reloads.entered(region, machine.held(self._layout))
+        machine.hold(self._layout, held)
+        machine.context[Place.RELOAD_CYCLES] += cycles
+        return cycles
 
     def demand_time(self, launch: Launch, machine: MachineState) -> None:
         """Raise the error of a run that went past its limit in the region that is next."""

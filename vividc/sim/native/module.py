@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from vividc.program import Program
 from vividc.program.dataflow import RegionFlow, trace
 from vividc.program.overlaps.parts import sound_parts
+from vividc.program.reloads import reloads_of
 from vividc.sim.native.bulk import write as bulk
 from vividc.sim.native.bulk.tables import BulkTables, bulk_tables
 from vividc.sim.native.plan.counts import RegionCounts, region_counts
@@ -81,7 +82,7 @@ def module_text(program: Program, planned: Plan) -> str:
     """LLVM IR of the program."""
     scratchpad = program.fabric.scratchpad
     machine = Machine(planned.layout, scratchpad.size_bytes, scratchpad.banks)
-    switch_cycles = program.fabric.controller.switch_cycles
+    switch_cycles, reloads = program.fabric.controller.switch_cycles, reloads_of(program)
     regions, first = [], 0
     for index, (flow, counts, tables) in enumerate(
         zip(planned.flows, planned.counts, planned.tables, strict=True)
@@ -89,7 +90,9 @@ def module_text(program: Program, planned: Plan) -> str:
         classes = () if counts is None else counts.classes
         placed = None if tables is None else (tables, first)
         overlap = Overlap.of(program.table, index)
-        text = region_function(index, flow, classes, machine, switch_cycles, overlap, placed)
+        text = region_function(
+            index, flow, classes, machine, switch_cycles, overlap, reloads, placed
+        )
         regions.append(text)
         first += 0 if tables is None else tables.words.size
     return "\n".join([_DECLARATIONS, *regions, _dispatch(len(regions))])

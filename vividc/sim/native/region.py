@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from vividc.program.dataflow import RegionFlow
+from vividc.program.reloads import Reloads
 from vividc.sim.native.bulk.tables import BulkTables
 from vividc.sim.native.bulk.write import write_bulk
 from vividc.sim.native.plan.counts import CountClass
@@ -33,6 +34,7 @@ def region_function(
     machine: Machine,
     switch_cycles: int,
     overlap: Overlap,
+    reloads: Reloads | None,
     placed: tuple[BulkTables, int] | None = None,
 ) -> str:
     """Text of the function `region{index}`; no flow: one that leaves the region to the reference.
@@ -49,7 +51,7 @@ def region_function(
         code.do(f"ret i32 {Status.IRREGULAR:d}")
     else:
         sums = machine.layout.sums[index]
-        frame = Frame(code, machine, flow, classes, switch_cycles, sums, overlap)
+        frame = Frame(code, machine, flow, classes, switch_cycles, sums, overlap, reloads)
         _write(frame, placed)
     return "\n".join([f"define internal i32 @region{index}({ARGUMENTS}) {{", *code.lines, "}", ""])
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from vividc.machine.words import WORD_MASK
 from vividc.program import Home, Program
 from vividc.program.dataflow import Constant
+from vividc.program.reloads import reloads_of
 from vividc.sim.engine import Launch
 from vividc.sim.native.plan.layout import BITS, MEMORY_SLACK_BYTES, Layout, Place
 
@@ -57,6 +58,16 @@ class MachineState:
         """Whether a constant-store entry that no launch sets has been written."""
         return bool(int(self.context[layout.valid_word(bit)]) >> bit % BITS & 1)
 
+    def held(self, layout: Layout) -> int:
+        """Regions of a long program whose contexts are held: a bit each."""
+        words = self.context[layout.held.start : layout.held.stop]
+        return int.from_bytes(words.astype("<i8").tobytes(), "little")
+
+    def hold(self, layout: Layout, held: int) -> None:
+        """Set them."""
+        words = held.to_bytes(8 * len(layout.held), "little")
+        self.context[layout.held.start : layout.held.stop] = np.frombuffer(words, "<i8")
+
     def word_at(self, layout: Layout, home: Home) -> int | None:
         """A constant-store entry; None: nothing was written there."""
         constant = Constant(home.pe, home.entry)
@@ -84,6 +95,7 @@ class Blank:
         self._everywhere = (0, program.fabric.scratchpad.size_bytes)
         self._image = np.where(program.images_set, program.images, 0).astype(np.uint32).reshape(-1)
         self._keys = [row.key for row in program.launch]
+        self._reloads = reloads_of(program)
         places = [row.pe * layout.entries + row.entry for row in program.launch]
         self._places = np.array(places, dtype=np.int64)
 
@@ -110,4 +122,7 @@ class Blank:
         constants[self._places] = [*map(launch.inputs.__getitem__, self._keys)]
         memory = np.empty(launch.memory.size + _SLACK, np.uint32)
         memory[:-_SLACK], memory[-_SLACK:] = launch.memory, 0
-        return MachineState(context, constants, memory)
+        state = MachineState(context, constants, memory)
+        if self._reloads is not None:
+            state.hold(self._layout, self._reloads.held)
+        return state

@@ -13,6 +13,7 @@ import numpy as np
 
 from vividc.errors import SimulationError
 from vividc.program import Home, Program, joined
+from vividc.program.reloads import reloads_of
 from vividc.sim.engine import Activity, ByRegion, Launch, Observer, RegionRun, RegionSpan, Run
 from vividc.sim.reference.predecode import RegionCode, State, StateMap, predecode
 from vividc.sim.reference.region import RegionState, iterations
@@ -27,6 +28,7 @@ class ReferenceEngine:
         self._watch = watch
         self._cells = StateMap(program.fabric)
         self._regions = predecode(program, self._cells)
+        self._reloads = reloads_of(program)
 
     def run(self, launch: Launch) -> Run:
         """Run the program once (see `Engine.run`)."""
@@ -42,7 +44,8 @@ class ReferenceEngine:
         )
         totals = [_Totals() for _ in self._regions]
         index: int | None = 0
-        switches = 0
+        switches = brought = 0
+        held = 0 if self._reloads is None else self._reloads.held
         left: RegionState | None = None  # a loop of which something is left
         begun: RegionState | None = None  # one that has begun
 
@@ -56,14 +59,19 @@ class ReferenceEngine:
             row = done.region.row
             index = row.branch if done.branch else row.next
             if index is not None and left is None and begun is None:
-                switches += self._program.fabric.controller.switch_cycles
-                tile.cycle += self._program.fabric.controller.switch_cycles
+                reload = 0
+                if self._reloads is not None:
+                    reload, held = self._reloads.entered(index, held)
+                passed = self._program.fabric.controller.switch_cycles + reload
+                switches, brought = switches + passed, brought + reload
+                tile.cycle += passed
                 tile.check_limit(done.region.index, tile.cycle)
             if left is None:
                 ended(done)
         return Run(
             cycles=tile.cycle,
             switch_cycles=switches,
+            reload_cycles=brought,
             memory=np.array(tile.memory, np.uint32),
             value=returned(
                 self._program, lambda home: tile.state[self._cells.constant(home.pe, home.entry)]

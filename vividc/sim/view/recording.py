@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from vividc.errors import ArgumentError, CycleLimit, SimulationError, demand_type
 from vividc.program import Program
+from vividc.program.reloads import reloads_of
 from vividc.sim.bind import bind
 from vividc.sim.engine import Launch, RegionSpan
 from vividc.sim.reference.engine import ReferenceEngine
@@ -84,6 +85,9 @@ class Recording:
         if self.program.table[last.region].drain and last.iterations:
             return last.end
         switched = last.end + self.program.fabric.controller.switch_cycles
+        if reloads_of(self.program) is not None:  # it begins when its contexts are there
+            seen = self.cycles[self.cycles >= switched]
+            return int(seen[0]) if seen.size else self.end
         goes_on = (self.cycles >= last.end) & (self.cycles < switched)
         return last.end if self.program.table[last.region].fill and goes_on.any() else switched
 
@@ -122,16 +126,23 @@ def record(
     bound = bind(program, args, kwargs)
     watch = _Watch(program, first, end, words)
     spans: list[RegionSpan] = []
-    launch = Launch(bound.memory, bound.inputs, end, bound.extents, observer=spans.append)
+    limit = end + _longest_reload(program)  # a region is told of when the next one can begin
+    launch = Launch(bound.memory, bound.inputs, limit, bound.extents, observer=spans.append)
     stopped = None
     try:
         end = min(end, ReferenceEngine(program, watch).run(launch).cycles)
     except CycleLimit:
         pass
     except SimulationError as error:
-        stopped = error.reason
-        end = min(end, watch.last + 1)
-    return watch.recording(max(first, end), tuple(spans), stopped)
+        if watch.last < end:
+            stopped, end = error.reason, watch.last + 1
+    inside = tuple(span for span in spans if span.end <= end)
+    return watch.recording(max(first, end), inside, stopped)
+
+
+def _longest_reload(program: Program) -> int:
+    reloads = reloads_of(program)
+    return 0 if reloads is None else max(row.cycles for row in reloads.rows)
 
 
 def _slots(region: RegionCode) -> tuple[tuple[Slot, ...], ...]:

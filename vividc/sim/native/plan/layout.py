@@ -13,6 +13,7 @@ from typing import Final
 
 from vividc.program import Program
 from vividc.program.dataflow import Constant
+from vividc.program.reloads import reloads_of
 
 BITS: Final = 64
 MEMORY_SLACK_BYTES: Final = 8
@@ -34,6 +35,7 @@ class Place(IntEnum):
     NOW = 9  # cycle of the suspension
     TABLES = 10  # address of the words of all tables
     OVERLAP = 11  # cycles of region NEXT in which the one before it was still under way
+    RELOAD_CYCLES = 12  # those of SWITCH_CYCLES in which contexts were brought
 
 
 class Status(IntEnum):
@@ -71,6 +73,8 @@ class Layout:
         Number of each constant-store entry that no launch sets: its bit among the valid ones.
     arrays
         Number of each array that memory operations name.
+    held
+        Words with a bit for each region whose contexts are held, of a long program.
     sums
         First word of each region's sums.
     spill
@@ -81,6 +85,7 @@ class Layout:
     bits: Mapping[Constant, int]
     arrays: Mapping[str, int]
     valid: int
+    held: range
     extents: int
     sums: Sequence[int]
     spill: int
@@ -106,12 +111,15 @@ def layout(program: Program, classes: Sequence[int]) -> Layout:
     ]
     arrays = {name: k for k, name in enumerate(dict.fromkeys(_array_names(program)))}
     valid = len(Place)
-    extents = valid + -(-len(unset) // BITS)
+    first = valid + -(-len(unset) // BITS)
+    is_long = reloads_of(program) is not None
+    extents = first + (-(-len(program.table) // BITS) if is_long else 0)
+    held = range(first, extents)
     starts = extents + EXTENT_WORDS * len(arrays)
     sizes = [len(Sum) + count for count in classes]
     sums = [starts + sum(sizes[:k]) for k in range(len(sizes))]
     bits = {cell: k for k, cell in enumerate(unset)}
-    return Layout(entries, bits, arrays, valid, extents, sums, starts + sum(sizes))
+    return Layout(entries, bits, arrays, valid, held, extents, sums, starts + sum(sizes))
 
 
 EXTENT_WORDS: Final = 4

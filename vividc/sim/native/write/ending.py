@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from vividc.program.reloads import Reloads
 from vividc.sim.native.plan.counts import CountClass, Speculation
 from vividc.sim.native.plan.layout import BITS, Place, Status, Sum
 from vividc.sim.native.write.body import Key
@@ -139,10 +141,42 @@ def _continue(frame: Frame, now: str, branch: str) -> str:
             has_begun = _has_begun(frame, following)
             overlap = code.choose(has_begun, "i64", str(frame.overlap.fill), "0")
             switch = code.choose(has_begun, "i64", "0", switch)
+        if frame.reloads is not None:
+            cycles = _brought(frame, frame.reloads, targets, following)
+            switch = code.value(f"add i64 {switch}, {cycles}")
         now = code.value(f"add i64 {now}, {switch}")
         _check_switch(frame, now, goes_on)
     _go_on(frame, now, following, switch)
     return overlap
+
+
+def _brought(frame: Frame, reloads: Reloads, targets: Sequence[int | None], following: str) -> str:
+    """Bring the contexts of the region that follows if they are not held; cycles that takes."""
+    code, words, cycles = frame.code, frame.machine.layout.held, "0"
+    for target in dict.fromkeys(target for target in targets if target is not None):
+        reload, bit = reloads.rows[target], 1 << target
+        held = code.value(
+            f"and i64 {frame.get(words[target // BITS])}, {_signed(bit, target // BITS)}"
+        )
+        enters = code.both(
+            code.value(f"icmp eq i64 {following}, {target}"),
+            code.value(f"icmp eq i64 {held}, 0"),
+        )
+        for number, word in enumerate(words):
+            now = frame.get(word)
+            kept = code.value(f"and i64 {now}, {_signed(~reload.evicted, number)}")
+            kept = code.value(f"or i64 {kept}, {_signed(bit, number)}")
+            frame.set(word, code.choose(enters, "i64", kept, now))
+        cycles = code.choose(enters, "i64", str(reload.cycles), cycles)
+    passed = code.value(f"add i64 {frame.get(Place.RELOAD_CYCLES)}, {cycles}")
+    frame.set(Place.RELOAD_CYCLES, passed)
+    return cycles
+
+
+def _signed(bits: int, number: int) -> int:
+    """A word of a mask."""
+    word = bits >> number * BITS & (1 << BITS) - 1
+    return word - (word >> BITS - 1 << BITS)
 
 
 def _has_begun(frame: Frame, following: str) -> str:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from vividc.program import RegionRow, loop_behind
 from vividc.program.dataflow import Constant, RegionFlow
+from vividc.program.reloads import Reloads
 from vividc.sim.native.plan.counts import CountClass
 from vividc.sim.native.write.body import Machine
 from vividc.sim.native.write.text import Code
@@ -57,6 +58,7 @@ class Frame:
     switch_cycles: int
     sums: int
     overlap: Overlap
+    reloads: Reloads | None = None
     base: str = ""
     entries: str = ""
     trip: str = "1"

@@ -1,0 +1,157 @@
+"""Programs longer than the configuration memory."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import vividc
+from tests.program.test_drains import engines_agree, refused, with_row
+from tests.sim.native.agreement import agreed_run, launch
+from vividc import arch
+from vividc.arch.fabric import Fabric
+from vividc.errors import ArgumentError, BundleError, KernelError
+from vividc.host.once import once_each
+from vividc.program import Program, from_bytes
+from vividc.sim import ReferenceEngine
+from vividc.sim.engine import RegionSpan
+from vividc.sim.view.recording import record
+
+TILE = arch.load_tile("vivid-tile")
+SMALL = (16, 12, 10)
+
+
+def tile_of(contexts: int) -> Fabric:
+    """`vivid-tile` with so many contexts."""
+    return arch.load_text(TILE.source.replace("contexts: 512", f"contexts: {contexts}"))
+
+
+@vividc.kernel("int32(int32[::1], int32[::1], int32)")
+def rounds(a, b, n):
+    """Loops in a loop, which come by turns, and what runs of some of its iterations only."""
+    total = 0
+    for j in range(4):
+        for i in range(n):
+            a[i] += b[i] * j
+        for i in range(n):
+            if a[i] % 3 == 1:
+                total += a[i]
+            b[i] ^= a[i]
+        if total > 100:
+            total -= 50
+    return total
+
+
+@once_each
+def of(_: type) -> dict[int, Program]:
+    """Compiled once, for memories of some sizes."""
+    return {n: vividc.compile(rounds, tile_of(n), cache=False) for n in (512, *SMALL)}
+
+
+def arguments(n: int) -> tuple[np.ndarray, np.ndarray, int]:
+    return np.arange(n, dtype=np.int32), np.arange(n, 0, -1, dtype=np.int32), n
+
+
+@pytest.mark.parametrize("contexts", [512, *SMALL])
+@pytest.mark.parametrize("n", [0, 1, 20])
+def test_a_program_of_any_length_runs(contexts: int, n: int) -> None:
+    program = of(Program)[contexts]
+    a, b, _ = arguments(n)
+    value = rounds(a, b, n)
+    mine = arguments(n)
+    assert vividc.simulate(program, *mine).value == value
+    np.testing.assert_array_equal((a, b), mine[:2])
+    assert (len(program.words) > contexts) is (contexts < 512)
+
+
+def brought(program: Program, spans: list[RegionSpan]) -> int:
+    """Cycles of reloads, by what each place of the memory holds after one region and the next."""
+    memory = dict(enumerate(range(program.fabric.controller.contexts)))
+    cycles = 0
+    for span in spans:
+        row = program.table[span.region]
+        own = {n % len(memory): n for n in range(row.context, row.context + row.ii)}
+        if any(memory[place] != context for place, context in own.items()):
+            cycles += 16 * row.ii
+            memory |= own
+    return cycles
+
+
+@pytest.mark.parametrize("contexts", [512, *SMALL])
+def test_what_is_not_there_is_brought_an_entry_a_cycle(contexts: int) -> None:
+    program = of(Program)[contexts]
+    given = launch(program, *arguments(20))
+    run = agreed_run(program, given)
+    spans: list[RegionSpan] = []
+    ReferenceEngine(program).run(replace(given, observer=spans.append))
+    assert run.reload_cycles == brought(program, spans)
+    assert (run.reload_cycles > 0) is (contexts < 512)
+    assert run.switch_cycles == len(spans) - 1 + run.reload_cycles - overlapping(spans)
+    assert run.cycles == run.switch_cycles + sum(region.cycles for region in run.regions)
+    stats = vividc.simulate(program, *arguments(20)).stats
+    assert stats["reload_cycles"] == run.reload_cycles
+    assert stats["cycles_by_use"]["switch"] == run.switch_cycles
+
+
+def overlapping(spans: list[RegionSpan]) -> int:
+    """Regions that begin at once."""
+    return sum(a.end == b.start for a, b in pairwise(spans))
+
+
+def test_limits_and_observers() -> None:
+    program = of(Program)[12]
+    for limit in (*range(0, 900, 7), 10_000):
+        engines_agree(program, launch(program, *arguments(20), cycle_limit=limit))
+
+
+def test_a_recording_tells_reloads_from_stalls() -> None:
+    """In a window that ends at any time, one in which contexts are brought among them."""
+    program = of(Program)[12]
+    whole = record(program, arguments(20), {}, window=(0, 10_000))
+    stalls = sum(span.bank_stalls for span in whole.spans)
+    assert whole.stalled().sum() == stalls
+    assert (
+        whole.end - len(whole.cycles) - stalls
+        == agreed_run(program, launch(program, *arguments(20))).switch_cycles
+    )
+    for end in range(1, whole.end, 17):
+        part = record(program, arguments(20), {}, window=(0, end))
+        np.testing.assert_array_equal(part.stalled(), whole.stalled()[:end])
+
+
+def test_the_file_says_that_it_is_long() -> None:
+    for contexts, program in of(Program).items():
+        data = program.to_bytes()
+        assert (b"vividc.program/8" in data) is (contexts < 512)
+        assert from_bytes(data) == program
+
+
+def test_a_long_program_has_no_overlaps() -> None:
+    program = of(Program)[12]
+    loop = next(n for n, row in enumerate(program.table) if row.counts_alone and row.next)
+    row = program.table[loop]
+    early = with_row(program, loop, replace(row, drain=1))
+    refused(early, "does not hold all of the program")
+
+
+def test_memories_that_a_program_cannot_be_for() -> None:
+    program = of(Program)[10]
+    longest = max(row.ii for row in program.table)
+    for contexts, what in ((longest - 1, "is longer than"), (1, "do not fit the fabric")):
+        with pytest.raises(BundleError, match=what):
+            from_bytes(replace(program, fabric=tile_of(contexts)).to_bytes())
+    with pytest.raises(KernelError, match="of which a program may have 16"):
+        vividc.compile(rounds, tile_of(1), cache=False)
+
+
+def test_tiles_of_an_accelerator_bring_nothing() -> None:
+    vivid = arch.load_accelerator("vivid")
+    few = replace(TILE.controller, contexts=12)
+    small = replace(vivid, tiles=tuple(replace(tile, controller=few) for tile in vivid.tiles))
+    with pytest.raises(ArgumentError, match="has 20 contexts, and a tile of vivid holds 12"):
+        vividc.launch.Job(small).configure(0, of(Program)[12])
+    with pytest.raises(KernelError, match=r"has 12\nhint"):
+        vividc.compile(rounds, small, cache=False)
