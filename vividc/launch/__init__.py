@@ -1,10 +1,10 @@
 """Launch graphs over the tiles of an accelerator, carried out exactly and timed by events.
 
-In order: `steps` and `job` (a graph of moves and runs, built by hand), `turns` (places that chunks
-take in turn), `memory`, `own_arrays`, `flat` (the graph as arrays), `hazards/` (is its order
-enough), `functional` (what it computes), `timing/` (when; docs/accelerator.md), `accounting`,
-`simulate` (all of these, and the result); `tiles/` (a kernel's loops on all tiles); `cost`
-(energy and roofline); `kept` (graphs of earlier launches).
+In order: `images` (programs as tiles take them), `steps` and `job` (a graph of moves and runs,
+built by hand), `turns` (places that chunks take in turn), `memory`, `own_arrays`, `flat` (the graph
+as arrays), `hazards/` (is its order enough), `functional` (what it computes), `timing/` (when;
+docs/accelerator.md), `accounting`, `simulate` (all of these, and the result); `tiles/` (a kernel's
+loops on all tiles); `cost` (energy and roofline).
 """
 
 from vividc.launch.accounting import JobStats, TileStats

@@ -12,23 +12,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc import arch
-from vividc.arch import Accelerator, Fabric
-from vividc.arch.accelerator import Orientation
+from vividc.arch import Accelerator
 from vividc.errors import ArgumentError, demand_type
-from vividc.launch.kept import Kept
+from vividc.launch.images import Images
 from vividc.launch.memory import Buffers
 from vividc.launch.own_arrays import OwnArrays
 from vividc.launch.simulate import JobResult, simulate_steps
 from vividc.launch.steps import Configure, Execute, Listed, Step, Transfer
 from vividc.program import WORD_BYTES, Program
-from vividc.program.encoder.reflect import reflected_program
 from vividc.sim.placed import Signature
 from vividc.sim.run import CYCLE_LIMIT, check_run
 from vividc.sim.tile import AUTO, check_engine
 
 _WHOLE = (int, np.integer)
-_IMAGES: Kept[tuple[Fabric, Fabric, Program]] = Kept(256)
-"""Mirrored programs, by program and corner, with the fabrics between which they were mirrored."""
 
 
 class Job:
@@ -52,7 +48,7 @@ class Job:
         self._buffers = Buffers()
         self._own = OwnArrays()
         self._held: dict[int, tuple[Program, int]] = {}
-        self._images: dict[tuple[int, str], Program] = {}
+        self._images = Images(self.accelerator)
         self._signatures: dict[int, Signature] = {}
 
     def __repr__(self) -> str:
@@ -224,7 +220,7 @@ class Job:
             than a tile holds.
         """
         where = self._tiles(tiles)
-        images = tuple(self._image(program, tile) for tile in where)
+        images = tuple(self._images.of(program, tile) for tile in where)
         number = self._add(Configure(where, images, self._after(after)))
         for other in chain.from_iterable(self.accelerator.sharing[tile] for tile in where):
             self._held.pop(other, None)
@@ -334,7 +330,7 @@ class Job:
         if tile not in self._held or self._held[tile][0] is not program:
             self.configure(tile, program)
         configured = self._held[tile][1]
-        image = self._image(program, tile)
+        image = self._images.of(program, tile)
         return self._add(
             Execute(tile, image, program, inputs, extents, stores, configured, self._after(after))
         )
@@ -432,45 +428,6 @@ class Job:
                 f"{what} would lie at bytes {address} to {address + size}, and the scratchpad has "
                 f"{room}"
             )
-
-    def _image(self, program: Program, tile: int) -> Program:
-        demand_type(program, Program, "the program", "compile a kernel with vividc.compile")
-        grouped = tile >= len(self.accelerator.tiles)
-        home = self.accelerator.units[tile] if grouped else self.accelerator.fabric
-        corner = self.accelerator.orientation(tile)
-        key = (id(program), f"{corner} {home.name}")
-        if key not in self._images:
-            if not arch.is_isomorphism(program.fabric, home, tuple(range(len(home.pes)))):
-                what = f"unit {tile}" if grouped else "the tiles"
-                raise ArgumentError(
-                    f"{program.name} was compiled for {program.fabric_name}, and {what} of "
-                    f"{self.accelerator.name} {'is' if grouped else 'are'} {home.name}",
-                    hint=f"compile it with fabric={self.accelerator.name!r}",
-                )
-            most = home.controller.contexts
-            if len(program.words) > most:
-                raise ArgumentError(
-                    f"{program.name} has {len(program.words)} contexts, and a tile of "
-                    f"{self.accelerator.name} holds {most}",
-                    hint="simulate it on one tile, which brings contexts: leave the fabric out",
-                )
-            image = program
-            if not grouped:
-                image = _mirrored(program, home, self.accelerator.tiles[tile], corner)
-            self._images[key] = image
-            self._images[id(program), ""] = program  # keeps the id from being used again
-        return self._images[key]
-
-
-def _mirrored(program: Program, home: Fabric, there: Fabric, corner: Orientation) -> Program:
-    """The program of the tile in a corner; kept for the next job."""
-
-    def mirrored() -> tuple[Fabric, Fabric, Program]:
-        places = arch.reflection(home, corner)
-        return home, there, reflected_program(program, there, places)
-
-    kept = _IMAGES.get(program, corner, mirrored)
-    return (kept if kept[:2] == (home, there) else mirrored())[2]
 
 
 def _array(value: object) -> NDArray[np.generic]:
