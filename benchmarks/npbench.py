@@ -63,7 +63,7 @@ _SIZES: Final[Mapping[str, Mapping[str, float]]] = {
     "spmv": {"M": 14, "N": 14, "nnz": 40},
     "lenet": {"N": 1, "H": 28, "W": 28},
     "conv2d": {"N": 2, "C_in": 2, "C_out": 3, "K": 3, "H": 8, "W": 8},
-    "resnet": {"N": 1, "W": 6, "H": 6, "C1": 4, "C2": 3},
+    "resnet": {"N": 1, "W": 4, "H": 4, "C1": 3, "C2": 2},
     "softmax": {"N": 2, "H": 2, "SM": 8},
     "contour_integral": {"NR": 4, "NM": 5, "slab_per_bc": 2, "num_int_pts": 3},
     "cavity_flow": {"nt": 2, "nit": 2},

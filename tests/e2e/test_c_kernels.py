@@ -17,7 +17,9 @@ from tests.e2e.test_general import copies
 from tests.e2e.test_kernels import assert_close
 from tests.sim.native.agreement import agreed_run
 from vividc import arch
-from vividc.compiler.driver import CompileOptions, lower, map_kernel
+from vividc.compiler.driver import lower
+from vividc.compiler.regions.map_regions import map_kernel
+from vividc.compiler.stage import CompileOptions
 from vividc.dfg.interpret.interpreter import interpret
 from vividc.dfg.regions import Kernel
 from vividc.frontend.c.source import bodies

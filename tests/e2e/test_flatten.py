@@ -11,7 +11,8 @@ import pytest
 import vividc
 from tests.e2e import nest_kernels
 from vividc import arch
-from vividc.compiler.driver import CompileOptions, map_kernel
+from vividc.compiler.regions.map_regions import map_kernel
+from vividc.compiler.stage import CompileOptions
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.pipeline import optimize_kernel
 from vividc.mapper import MapResult

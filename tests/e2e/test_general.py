@@ -14,7 +14,9 @@ from tests.dfg.memory_trace import Trace
 from tests.e2e.test_kernels import assert_close
 from tests.sim.native.agreement import agreed_run
 from vividc import arch
-from vividc.compiler.driver import CompileOptions, lower, map_kernel
+from vividc.compiler.driver import lower
+from vividc.compiler.regions.map_regions import map_kernel
+from vividc.compiler.stage import CompileOptions
 from vividc.dfg.interpret.interpreter import interpret
 from vividc.dfg.regions import Kernel
 from vividc.program import Program, encode

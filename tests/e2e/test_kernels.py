@@ -13,7 +13,9 @@ from benchmarks.workloads import WORKLOADS, Workload
 from tests.dfg.memory_trace import Trace
 from tests.sim.native.agreement import agreed_run
 from vividc import arch, lang
-from vividc.compiler.driver import CompileOptions, lower, map_kernel
+from vividc.compiler.driver import lower
+from vividc.compiler.regions.map_regions import map_kernel
+from vividc.compiler.stage import CompileOptions
 from vividc.dfg.interpret.interpreter import interpret
 from vividc.program import Program, encode
 from vividc.sim.bind import bind, returned

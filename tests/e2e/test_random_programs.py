@@ -11,7 +11,8 @@ from hypothesis import Phase, given, settings
 import vividc
 from tests.programs import WORDS, lower, programs, run
 from vividc import arch
-from vividc.compiler.driver import CompileOptions, map_kernel
+from vividc.compiler.regions.map_regions import map_kernel
+from vividc.compiler.stage import CompileOptions
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.pipeline import optimize_kernel
 from vividc.program import encode

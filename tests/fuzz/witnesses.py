@@ -24,8 +24,8 @@ from tests.fuzz.forms import OPTIONS, asked, forms
 from tests.fuzz.kinds import Kinds
 from vividc import arch
 from vividc.arch.fabric import Fabric
-from vividc.compiler.driver import CompileOptions, map_kernel
-from vividc.compiler.regions.map_regions import Unmapped
+from vividc.compiler.regions.map_regions import Unmapped, map_kernel
+from vividc.compiler.stage import CompileOptions
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.interpret.interpreter import interpret
 from vividc.dfg.pipeline import optimize_kernel

@@ -158,9 +158,10 @@ def test_without_time_loops_run_block_by_block_and_the_program_says_so(
 def test_a_kernel_too_long_for_its_fabric_is_refused_before_anything_is_mapped(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    machine = arch.load("vivid-tile")
-    short = replace(machine, controller=replace(machine.controller, contexts=2))
-    monkeypatch.setattr("vividc.compiler.driver.map_kernel", None)
+    machine = arch.load_accelerator("vivid")
+    few = replace(machine.fabric.controller, contexts=2)
+    short = replace(machine, tiles=tuple(replace(tile, controller=few) for tile in machine.tiles))
+    monkeypatch.setattr("vividc.compiler.stage.map_kernel", None)
     with pytest.raises(vividc.VividcError, match=r"needs at least \d+ contexts") as caught:
         vividc.compile(nested, short, loops=vividc.LoopOptions(auto=False))
     assert caught.value.exit_code == 2

@@ -13,7 +13,7 @@ from tests.program.test_drains import engines_agree, refused, with_row
 from tests.sim.native.agreement import agreed_run, launch
 from vividc import arch
 from vividc.arch.fabric import Fabric
-from vividc.errors import ArgumentError, BundleError, KernelError
+from vividc.errors import ArgumentError, BundleError, KernelError, VividcWarning
 from vividc.host.once import once_each
 from vividc.program import Program, from_bytes
 from vividc.sim import ReferenceEngine
@@ -48,7 +48,16 @@ def rounds(a, b, n):
 @once_each
 def of(_: type) -> dict[int, Program]:
     """Compiled once, for memories of some sizes."""
-    return {n: vividc.compile(rounds, tile_of(n), cache=False) for n in (512, *SMALL)}
+    fits = vividc.compile(rounds, tile_of(512), cache=False)
+    return {512: fits, **{n: warned(n) for n in SMALL}}
+
+
+def warned(contexts: int) -> Program:
+    text = f"rounds takes [0-9]+ contexts, and fabric vivid-tile has {contexts}: others are brought"
+    with pytest.warns(VividcWarning, match=text):
+        program = vividc.compile(rounds, tile_of(contexts), cache=False)
+    assert len(program.warnings) == 1
+    return program
 
 
 def arguments(n: int) -> tuple[np.ndarray, np.ndarray, int]:

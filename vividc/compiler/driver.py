@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial, wraps
 from typing import Unpack
 
@@ -15,30 +15,25 @@ from vividc.arch.fabric import Fabric
 from vividc.compiler.kept_programs import Place, place_of
 from vividc.compiler.nests import with_nests
 from vividc.compiler.planning.choose import choose
-from vividc.compiler.planning.estimate import Estimator, Shape, Spaces
+from vividc.compiler.planning.estimate import Estimator, Spaces
 from vividc.compiler.planning.explain import loop_reports
-from vividc.compiler.planning.fallback import Budget, Outcome, Race, settle
+from vividc.compiler.planning.fallback import Budget, Outcome, settle
 from vividc.compiler.planning.options import FlatLoopOptions, LoopOptions, loop_options
 from vividc.compiler.planning.plan import Plan, Stage
-from vividc.compiler.planning.spacing import spaced
 from vividc.compiler.price import priced
 from vividc.compiler.products import demanded_products, forbidden, with_products
 from vividc.compiler.regions.earlier import Earlier
-from vividc.compiler.regions.map_again import Runs
 from vividc.compiler.regions.map_regions import (
-    MapOptions,
-    Unmapped,
     guarded,
-    map_kernel,
 )
 from vividc.compiler.regions.one_straight import Progress
+from vividc.compiler.stage import CompileOptions, map_stage
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.regions import Kernel
 from vividc.errors import (
     KernelError,
     SourceLoc,
-    TimeLimit,
     VividcWarning,
     demand_callable,
     demand_type,
@@ -48,22 +43,20 @@ from vividc.frontend import KernelFunction, LLKernel
 from vividc.frontend.like import Like
 from vividc.gemm.kernels.choice import AUTO, GPU, check_kernel_mode
 from vividc.host import compiled_files, time_limit, watch
-from vividc.host.watch import is_watched, run_passes, seldom, timed, watched
+from vividc.host.watch import run_passes, seldom, timed, watched
 from vividc.machine.parallel import Parallel
 from vividc.mapper import EffortLevel, check_effort, check_time_limit
 from vividc.mapper.deadline import limited
 from vividc.mapper.registry import named
 from vividc.mapper.request import Mapper
-from vividc.mapper.result import mapping_of
-from vividc.program import CUT_SHORT, Program, encode
-from vividc.program.encoder.encode import check_contexts, with_designs
+from vividc.program import CUT_SHORT, Program
+from vividc.program.encoder.encode import with_designs
 from vividc.program.encoder.programmable import demand_programmable
-from vividc.program.reloads import most_contexts
+from vividc.program.reloads import reloads_of
 from vividc.ssa.analysis.frequency import NO_TRIPS
 from vividc.ssa.formats.in_format import in_format
 from vividc.ssa.formats.precision import (
     FormatChoices,
-    Precision,
     arithmetic_format,
     idle_names,
     parse_precision,
@@ -74,36 +67,6 @@ from vividc.ssa.rewrite.contract import contract as contract_products
 
 _GRACE_S, _GRACE_SHARE = 0.5, 0.05
 """Work that misses its limit by no more than this is finished: seconds, and a share of it."""
-
-
-@dataclass(frozen=True, slots=True)
-class CompileOptions(MapOptions):
-    """How a kernel is compiled: how its regions are mapped, and
-
-    Attributes
-    ----------
-    strict_fp
-        Refuse float64 arithmetic instead of running it in float32 with a warning.
-    contract
-        Fuse multiplications and additions into FMAs.
-    loops
-        How loops are transformed.
-    reassociate
-        Balance reductions of floats too, which changes their rounding; integers' always are. A
-        kernel made of a function that numba has compiled with `fastmath` has this leave.
-    precision
-        Formats of functions, from `parse_precision`.
-    resident
-        The configuration memory holds all of the program: tiles of an accelerator bring no contexts
-        while they run.
-    """
-
-    strict_fp: bool = False
-    contract: bool = True
-    loops: LoopOptions = field(default_factory=LoopOptions)
-    reassociate: bool = False
-    precision: Precision = ()
-    resident: bool = False
 
 
 def compile(  # noqa: PLR0913 - the public contract, plus keywords
@@ -336,7 +299,7 @@ def compile_stages(
         with guarded(guard_s, grace_s=math.inf if last_resort else 0.0):
             shared = replace(options, time_limit_s=limit_s)
             before = replace(earlier, hopeless={}, crowded=set()) if last_resort else earlier
-            return _map_stage(stage, estimator, shared, before, last_resort, below)
+            return map_stage(stage, estimator, shared, before, last_resort, below)
 
     with limited(options.time_limit_s) as whole:
         budget = Budget.of(whole)
@@ -348,7 +311,17 @@ def compile_stages(
     loops = loop_reports(plan, settled)
     made = settled.outcome
     program = with_designs(made.program, made.kernel, made.results)
-    return replace(program, warnings=tuple(notes), loops=loops)
+    return replace(program, warnings=(*notes, *_long(program)), loops=loops)
+
+
+def _long(program: Program) -> Iterator[str]:
+    """What is told of a program that the configuration memory does not hold."""
+    if reloads_of(program) is not None:
+        held = program.fabric.controller.contexts
+        yield (
+            f"{program.name} takes {len(program.words)} contexts, and fabric "
+            f"{program.fabric.name} has {held}: others are brought while it runs, which takes time"
+        )
 
 
 def estimator_for(fabric: Fabric, options: CompileOptions) -> Estimator:
@@ -374,110 +347,6 @@ def _before_planning(options: CompileOptions) -> Iterator[Callable[[Function], F
     narrow = arithmetic_format(options.precision)
     if narrow is not None:
         yield wraps(in_format)(lambda function: in_format(function, narrow))
-
-
-def _map_stage(
-    stage: Stage,
-    estimator: Estimator,
-    options: CompileOptions,
-    earlier: Earlier,
-    last_resort: bool,
-    below: float,
-) -> Outcome | None:
-    """Maps a stage; a loop that cannot be modulo-scheduled (in time) runs block by block, unless
-    it is a transformed one. None: it is sure to take so many cycles; whoever looks on sees it all.
-    """
-    sequential: dict[str, str] = {}
-    held = estimator.fabric.controller.contexts
-    most = held if options.resident or not last_resort else most_contexts(estimator.fabric)
-    demanded = frozenset[str]() if last_resort else frozenset(stage.state.made)
-    while True:
-        function = stage.state.function
-        if sequential:
-            function = replace(function, sequential=frozenset(sequential))
-        function = _prepared(function, stage, estimator)
-        function = spaced(function, estimator, stage.state.hints)
-        kernel = _kernel_of(function, estimator, most)
-        runs = Runs.of(estimator.expected(function, kernel, stage.state.hints))
-        race = Race(estimator, function, stage.state.hints, math.inf if is_watched() else below)
-        mapping = partial(
-            map_kernel,
-            kernel,
-            estimator.fabric,
-            options,
-            earlier,
-            demanded=demanded,
-            runs=runs,
-            is_lost=partial(race.is_lost, kernel),
-        )
-        made = watched("map", mapping)
-        if made is None:
-            return None
-        if not isinstance(made, Unmapped):
-            break
-        if not demanded.isdisjoint(made.headers):
-            raise made.error
-        timed_out = isinstance(made.error, TimeLimit)
-        why = "took too long" if timed_out else "has no modulo schedule"
-        sequential |= dict.fromkeys(made.headers, why)
-    mapped, results = made
-    mappings = {index: mapping_of(result) for index, result in results.items()}
-    used = sum(one.ii for one in mappings.values())
-    check_contexts(mapped, estimator.fabric, used, most)
-    encoding = partial(
-        encode,
-        mapped,
-        estimator.fabric,
-        mappings,
-        reports=results,
-        options=_provenance(options),
-        iterations=runs.iterations,
-    )
-    program = watched("encode", encoding)
-    shapes = [
-        Shape(
-            report.ii,
-            report.span,
-            report.operations,
-            stalls=report.stalls,
-            drain=row.drain,
-            fill=row.fill,
-        )
-        for report, row in zip(program.regions, program.table, strict=True)
-    ]
-    achieved = estimator.priced(function, mapped, shapes, stage.state.hints)
-    return Outcome(stage, mapped, results, program, achieved, sequential)
-
-
-def _prepared(function: Function, stage: Stage, estimator: Estimator) -> Function:
-    """The stage's function, normalised; estimates on the way are not watched."""
-
-    def prepare() -> Function:
-        with watch.aside():
-            return estimator.prepared(function, stage.state.hints)
-
-    watched("choose", lambda: function)
-    return watched("prepare", prepare)
-
-
-def _kernel_of(function: Function, estimator: Estimator, most: int) -> Kernel:
-    """The function's regions with optimised graphs; too many contexts are refused first."""
-    built = watched("build-kernel", lambda: estimator.built(function))
-    check_contexts(built, estimator.fabric, estimator.contexts(built), most, "at least ")
-    return watched("optimize", lambda: estimator.optimized_kernel(built))
-
-
-def _provenance(options: CompileOptions) -> dict[str, str | int | float | bool | None]:
-    return {
-        "mapper": options.mapper,
-        "effort": options.effort,
-        "strict_fp": options.strict_fp,
-        "contract": options.contract,
-        "reassociate": options.reassociate,
-        "transform": "auto" if options.loops.auto else "none",
-        "threads": options.loops.threads,
-        **{f"precision {name}": fmt for name, fmt in options.precision},
-    }
 
 
 def _place(outcome: Outcome, header: str) -> str:

@@ -11,12 +11,13 @@ import pytest
 import vividc
 from vividc import arch
 from vividc.arch.fabric import Fabric
-from vividc.compiler.driver import CompileOptions, estimator_for
+from vividc.compiler.driver import estimator_for
 from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.fit import fitted
 from vividc.compiler.planning.options import LoopOptions
 from vividc.compiler.planning.plan import Draft, Stage
 from vividc.compiler.planning.state import State
+from vividc.compiler.stage import CompileOptions
 from vividc.frontend import KernelFunction
 from vividc.ssa.rewrite.tidy import tidy
 

@@ -17,10 +17,11 @@ from vividc.compiler.advice.request import (
     with_lengths_of,
 )
 from vividc.compiler.advice.search import Searched, longer_search
-from vividc.compiler.driver import CompileOptions, checked, parallel_lines
+from vividc.compiler.driver import checked, parallel_lines
 from vividc.compiler.planning.options import LoopOptions
 from vividc.compiler.planning.plan import Plan
 from vividc.compiler.regions.one_straight import Progress
+from vividc.compiler.stage import CompileOptions
 from vividc.errors import SourceLoc, TimeLimit, VividcError, warn
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.frontend.like import Like

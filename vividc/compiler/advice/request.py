@@ -11,10 +11,11 @@ from dataclasses import dataclass, field, replace
 from vividc.arch import Accelerator
 from vividc.arch.fabric import Fabric
 from vividc.compiler.advice.apart import reading_apart
-from vividc.compiler.driver import CompileOptions, estimator_for, planned
+from vividc.compiler.driver import estimator_for, planned
 from vividc.compiler.planning.estimate import Estimate, Estimator
 from vividc.compiler.planning.plan import Plan
 from vividc.compiler.planning.state import State
+from vividc.compiler.stage import CompileOptions
 from vividc.dfg.pipeline import PassOptions
 from vividc.errors import KernelError, SourceLoc, VividcWarning
 from vividc.frontend import KernelFunction, LLKernel

@@ -14,7 +14,7 @@ from vividc.compiler.planning.candidates import (
 )
 from vividc.compiler.planning.demands import obey
 from vividc.compiler.planning.estimate import Estimate, Estimator
-from vividc.compiler.planning.fit import fitted
+from vividc.compiler.planning.fit import fitted, is_far_too_long
 from vividc.compiler.planning.interleave import loops_around_waiting
 from vividc.compiler.planning.options import LoopOptions
 from vividc.compiler.planning.parts import Restructured, joined_parts, static_part
@@ -127,7 +127,7 @@ def choose(
     chooser.start(State(tidied, hints))
     obey(chooser)
     asked = len(chooser.stages) - 1
-    if options.auto:
+    if options.auto and not is_far_too_long(chooser):
         for fitting in fitted(chooser, chooser.now):
             chooser.accept(fitting)
         chooser.improve_in_time()
@@ -212,7 +212,7 @@ class _Chooser(Draft):
                 self._climb_threads(header)
         if joins:
             self._join()
-        for header in self._outermost() if restructure else ():
+        for header in self.outermost() if restructure else ():
             if form is None:
                 self._restructure(header)
             elif header in self.forms:
@@ -278,7 +278,7 @@ class _Chooser(Draft):
         prevent.
         """
         awaited: set[str] = set()
-        for header in self._outermost():
+        for header in self.outermost():
             if not isinstance(static_part(self.now.state, header), Refusal):
                 inside = self.now.state.loop(header).blocks
                 loops = find_loops(self.now.state.function)
@@ -376,20 +376,6 @@ class _Chooser(Draft):
             estimate = self.estimator.estimate(state.function, state.hints)
             candidate = Candidate("restructuring", header, form.factor)
             self.accept(Stage(state, estimate, self.note(base, candidate, estimate, ""), base))
-
-    def _outermost(self) -> list[str]:
-        """Headers of loops in no other one, with nothing in them that the user decided."""
-        loops = find_loops(self.now.state.function)
-        outer = [
-            loop
-            for loop in loops
-            if not any(loop.header in o.blocks and o.header != loop.header for o in loops)
-        ]
-        return [
-            loop.header
-            for loop in outer
-            if not any(header in loop.blocks for header in self.fixed | self.now.state.made)
-        ]
 
     def _flatten(self) -> None:
         """Flattens nests of two loops, then what has become one by that."""

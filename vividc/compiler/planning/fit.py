@@ -18,6 +18,12 @@ _ROOMS: Final = (0.85, 0.7, 0.5)
 their bounds (vadv of NPBench: 435 and 604, where constant stores are full).
 """
 
+_FAR: Final = 1.5
+"""Contexts over those that there are, from which on no form of a kernel is looked for: none would
+fit, and of a long program another form saves less than bringing its contexts takes. Those of nbody
+of NPBench, 956 of 512, were looked for in vain for a minute.
+"""
+
 _TOGETHER: Final = 8
 """Nests that are flattened before the kernel is estimated again: each saves about six contexts."""
 
@@ -43,6 +49,17 @@ def fitted(draft: Draft, stage: Stage) -> list[Stage]:
         if stage is not before and stage.estimate.contexts <= most:
             found.insert(0, stage)
     return found
+
+
+def is_far_too_long(draft: Draft) -> bool:
+    """Whether the kernel takes many more contexts than there are; its nests are told so."""
+    stage, most = draft.now, draft.estimator.fabric.controller.contexts
+    if stage.estimate.contexts <= _FAR * most:
+        return False
+    reason = f"the kernel takes {stage.estimate.contexts} contexts, and there are {most}"
+    for header in draft.outermost():
+        draft.note(stage, Candidate("restructuring", header), None, reason)
+    return True
 
 
 def _flattened(draft: Draft, base: Stage, headers: list[str]) -> Stage:

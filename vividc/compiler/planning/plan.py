@@ -181,6 +181,20 @@ class Draft:
         loc = stage.state.loc(header)
         return loc is not None and self.options.flatten.get(loc.line) is False
 
+    def outermost(self) -> list[str]:
+        """Headers of loops in no other one, with nothing in them that the user decided."""
+        loops = find_loops(self.now.state.function)
+        outer = [
+            loop
+            for loop in loops
+            if not any(loop.header in o.blocks and o.header != loop.header for o in loops)
+        ]
+        return [
+            loop.header
+            for loop in outer
+            if not any(header in loop.blocks for header in self.fixed | self.now.state.made)
+        ]
+
     def over_prange(self) -> list[str]:
         """Headers of the loops over `prange` that are in no other one."""
         state = self.now.state
