@@ -71,7 +71,7 @@ def test_a_kernel_beyond_the_contexts_has_its_nests_flattened() -> None:
     whole = arch.load("vivid-tile")
     as_written = int(taken(whole))
     fabric = tile(as_written - 1)
-    with pytest.raises(vividc.VividcError, match="contexts"):
+    with pytest.warns(vividc.VividcWarning, match=f"has {as_written - 1}: others are brought"):
         vividc.compile(many, fabric, loops=LoopOptions(auto=False))
     program = vividc.compile(many, fabric, loops=LoopOptions(restructure=False))
     assert len(program.words) < as_written
@@ -111,3 +111,11 @@ def test_a_kernel_that_fits_is_left_to_what_pays() -> None:
     assert all(
         one.after is None or one.after < one.before for one in plan.decisions if not one.reason
     )
+
+
+def test_no_form_is_looked_for_of_a_kernel_far_beyond_the_contexts() -> None:
+    fabric = tile(int(taken(arch.load("vivid-tile"))) // 2)
+    plan = choose(many.lower(), estimator_for(fabric, CompileOptions()), LoopOptions())
+    assert len(plan.stages) == 1
+    assert len(plan.decisions) == 4
+    assert all("contexts, and there are" in decision.reason for decision in plan.decisions)
