@@ -16,6 +16,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from statistics import geometric_mean
 from types import ModuleType
 from typing import Any, Final
 
@@ -23,6 +24,8 @@ import click
 import numpy as np
 
 import vividc
+from benchmarks.polybench.inputs import INPUTS
+from benchmarks.polybench.suite import CASES
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.interpret.interpreter import interpret
 from vividc.dfg.pipeline import optimize_kernel
@@ -37,8 +40,8 @@ from vividc.ssa.rewrite.normalize import normalize
 
 TITLE: Final = "NPBench: numba programs as they are found"
 HEADER: Final = (
-    "| program | runs | agrees with numba | cycles | operations / 16 | compile s | why not |\n"
-    "|---|---|---|---|---|---|---|"
+    "| program | runs | agrees with numba | cycles | loops by hand | operations / 16 | compile s "
+    "| why not |\n|---|---|---|---|---|---|---|---|"
 )
 NOTES: Final = [
     "The programs that NPBench's authors wrote for numba, each as it stands, for the types of its",
@@ -47,6 +50,8 @@ NOTES: Final = [
     "- agrees: floats differ from numba's (Python's, if numba would need SciPy) by at most 1e-4 of",
     "  the greatest number in their array; integers are equal. Arrays after the run are compared,",
     "  and what is returned.",
+    "- loops by hand: cycles of PolyBench's kernel of that name in `benchmarks/polybench`, written in",
+    "  loops, with arrays of the same sizes.",
     "- operations / 16: float operations that the kernel as written executes, an FMA being one,",
     "  over the PEs of a tile.",
     "- compile s: seconds of user CPU.",
@@ -75,6 +80,43 @@ _SIZES: Final[Mapping[str, Mapping[str, float]]] = {
     "mandelbrot2": {"XN": 8, "YN": 8, "maxiter": 8},
 }
 """Sizes that others do not fit, or that would be many more operations."""
+_BY_HAND: Final[Mapping[str, tuple[str, str]]] = {
+    "adi": ("adi", "TSTEPS N"),
+    "atax": ("atax", "M N"),
+    "bicg": ("bicg", "N M"),
+    "cholesky": ("cholesky", "N"),
+    "cholesky2": ("cholesky", "N"),
+    "correlation": ("correlation", "N M"),
+    "covariance": ("covariance", "N M"),
+    "covariance2": ("covariance", "N M"),
+    "deriche": ("deriche", "W H"),
+    "doitgen": ("doitgen", "NR NQ NP"),
+    "durbin": ("durbin", "N"),
+    "fdtd_2d": ("fdtd_2d", "TMAX NX NY"),
+    "floyd_warshall": ("floyd_warshall", "N"),
+    "gemm": ("gemm", "NI NJ NK"),
+    "gemver": ("gemver", "N"),
+    "gesummv": ("gesummv", "N"),
+    "gramschmidt": ("gramschmidt", "M N"),
+    "heat_3d": ("heat_3d", "TSTEPS N"),
+    "jacobi_1d": ("jacobi_1d", "TSTEPS N"),
+    "jacobi_2d": ("jacobi_2d", "TSTEPS N"),
+    "k2mm": ("two_mm", "NI NJ NK NL"),
+    "k3mm": ("three_mm", "NI NJ NK NL NM"),
+    "lu": ("lu", "N"),
+    "ludcmp": ("ludcmp", "N"),
+    "mvt": ("mvt", "N"),
+    "nussinov": ("nussinov", "N"),
+    "seidel_2d": ("seidel_2d", "TSTEPS N"),
+    "symm": ("symm", "M N"),
+    "syr2k": ("syr2k", "N M"),
+    "syrk": ("syrk", "N M"),
+    "trisolv": ("trisolv", "N"),
+    "trmm": ("trmm", "M N"),
+}
+"""The kernel in loops that computes what a program does, and the sizes that it is made for."""
+_MUCH: Final = 1.2
+"""Times the cycles of loops by hand, above which a program is named."""
 _NARROW: Final = {"float64": np.float32, "complex128": np.complex64, "int64": np.int32}
 _SECONDS: Final = 900
 _PATIENCE: Final = 10.0
@@ -88,6 +130,7 @@ class Row:
     program: str
     error: float | None = None
     cycles: int | None = None
+    by_hand: int | None = None
     operations: int | None = None
     compile_s: float | None = None
     refused: str = ""
@@ -100,7 +143,8 @@ class Row:
         cycles = "" if self.cycles is None else f"{self.cycles:,}"
         ideal = "" if self.operations is None else f"{self.operations / 16:,.0f}"
         took = "" if self.compile_s is None else f"{self.compile_s:.1f}"
-        name = f"| {self.program} | {'yes' if runs else 'no'} | {agrees} | {cycles} "
+        loops = "" if self.by_hand is None else f"{self.by_hand:,}"
+        name = f"| {self.program} | {'yes' if runs else 'no'} | {agrees} | {cycles} | {loops} "
         return f"{name}| {ideal} | {took} | {self.refused.replace('|', '/')} |"
 
 
@@ -126,6 +170,17 @@ def lines(suites: Path, only: Sequence[str] = ()) -> Iterator[str]:
     right = sum(row.error is not None and row.error <= RTOL for row in rows)
     wrong = sum(row.error is not None and row.error > RTOL for row in rows)
     yield from ("", f"{right} of {len(rows)} run and agree, {wrong} differ.")
+    yield from ("", *_beside_loops(rows))
+
+
+def _beside_loops(rows: Sequence[Row]) -> Iterator[str]:
+    """How the programs compare with loops by hand."""
+    pairs = {row.program: row.cycles / row.by_hand for row in rows if row.cycles and row.by_hand}
+    if pairs:
+        above = [f"{name} {ratio:.2f}" for name, ratio in pairs.items() if ratio > _MUCH]
+        mean = geometric_mean(pairs.values())
+        yield f"Cycles over those of loops by hand: {mean:.2f} (geometric mean of {len(pairs)});"
+        yield f"more than {_MUCH} of {len(above)}: {', '.join(above) or 'none'}."
 
 
 def in_process(suites: Path, name: str) -> Row:
@@ -165,8 +220,22 @@ def measured(suites: Path, name: str) -> Row:
             result = vividc.simulate(program, *mine)
         except (VividcError, InternalError) as error:
             return replace(row, refused=_told(error))
-    error = largest_error([*mine, result.value], [*theirs, value])
-    return replace(row, cycles=result.cycles, error=error, operations=counted)
+        error = largest_error([*mine, result.value], [*theirs, value])
+        by_hand = _loops_by_hand(suites, name)
+    return replace(row, cycles=result.cycles, error=error, operations=counted, by_hand=by_hand)
+
+
+def _loops_by_hand(suites: Path, name: str) -> int | None:
+    """Cycles of the kernel in loops that computes the same; None: there is none."""
+    if name not in _BY_HAND:
+        return None
+    kernel, names = _BY_HAND[name]
+    sizes = _sizes(suites, name)
+    arguments = INPUTS[kernel](*(int(sizes[size]) for size in names.split()))
+    case = next(case for case in CASES.values() if case.kernel.name == kernel)
+    with vividc.patient(_PATIENCE):
+        program = vividc.compile(case.kernel)
+    return vividc.simulate(program, *arguments).cycles
 
 
 def _run(function: Any, kernel: KernelFunction, arguments: Sequence[object]) -> Any:
@@ -184,12 +253,7 @@ def _told(error: VividcError | InternalError) -> str:
 def _found(suites: Path, name: str) -> tuple[list[object], Any]:
     """Arguments and function of a program."""
     path = programs(suites)[name]
-    known = _described(suites, name)
-    sizes = {
-        size: min(value, _FEW_STEPS if size in _STEPS else _MOST) if value > 1 else value
-        for size, value in known["parameters"]["S"].items()
-    }
-    sizes |= _SIZES.get(name, {})
+    known, sizes = _described(suites, name), _sizes(suites, name)
     values: dict[str, object] = dict(sizes)
     init = known.get("init")
     if init:
@@ -199,6 +263,16 @@ def _found(suites: Path, name: str) -> tuple[list[object], Any]:
         values |= dict(zip(init["output_args"], made, strict=True))
     arguments = [_narrowed(values[given]) for given in known["input_args"]]
     return arguments, getattr(_module(path), known["func_name"])
+
+
+def _sizes(suites: Path, name: str) -> dict[str, float]:
+    """Those of a program that are run."""
+    given = _described(suites, name)["parameters"]["S"]
+    sizes = {
+        size: min(value, _FEW_STEPS if size in _STEPS else _MOST) if value > 1 else value
+        for size, value in given.items()
+    }
+    return sizes | dict(_SIZES.get(name, {}))
 
 
 def _sparse_matrix(rows: int, columns: int, count: int) -> tuple[np.ndarray, ...]:

@@ -85,7 +85,7 @@ class _Writer:
         self.scop = scop
         self.loops = loops = places.loops
         self.places = places
-        self.words = Words(FreshIds(scop.function), scop.symbols, loops.quotients)
+        self.words = Words(FreshIds(scop.function), scop.symbols, loops.quotients, scop.rows)
         self.registers = Registers(scop, places, self.words)
         self.made: dict[str, Made] = {}
         self.branches: dict[str, str] = {}

@@ -15,7 +15,7 @@ from functools import cached_property
 from typing import Final
 
 from vividc.machine.opcodes import MEMORY, Opcode, Type
-from vividc.machine.words import WORD_BYTES, signed
+from vividc.machine.words import signed
 from vividc.ssa.analysis.conjunctions import CONTRARY, Conjunctions, only_tested
 from vividc.ssa.analysis.counters import Counter, counter_of
 from vividc.ssa.analysis.levels import Level, level_of
@@ -34,7 +34,13 @@ from vividc.ssa.ir import (
     is_dimension,
 )
 from vividc.ssa.polyhedral.forms import COMPARISONS, Form, compared, symbol
-from vividc.ssa.polyhedral.subscripts import Access, element_bytes, subscripts_of
+from vividc.ssa.polyhedral.subscripts import (
+    Access,
+    Elements,
+    FlatRows,
+    element_bytes,
+    subscripts_of,
+)
 from vividc.ssa.rewrite.refusal import Refusal
 
 
@@ -128,6 +134,8 @@ class Scop:
         Type of the elements of each array.
     narrow
         A load of each array whose elements are less than a word, if there is one.
+    rows
+        How long rows are of the kernel's own arrays whose subscripts are two.
     """
 
     function: Function
@@ -140,6 +148,7 @@ class Scop:
     indices: Mapping[int, Form]
     elements: Mapping[str, Type]
     narrow: Mapping[str, Instr]
+    rows: Mapping[str, Input] = field(default_factory=dict)
 
     @cached_property
     def statements(self) -> tuple[Statement, ...]:
@@ -192,13 +201,11 @@ class _Raising:
         self.limits = self.over = frozenset[str]()
         self.guards: tuple[Form, ...] = ()
         self.count = 0
-        self.dtypes = {p.name: p.dtype for p in function.params}
-        self.elements: dict[str, Type] = {}
-        self.widths: dict[str, int] = {}
-        self.narrow: dict[str, Instr] = {}
+        self.elements = Elements(function)
         self.axes: dict[str, int] = {}
+        self.rows = FlatRows(function)
+        self.bounds: dict[str, tuple[Form, Form]] = {}
         self._tests = only_tested(function)
-        self._types = {i.id: i.type for block in function.blocks for i in block.items}
 
     def scop(self) -> Scop:
         """The part."""
@@ -216,8 +223,9 @@ class _Raising:
             self.symbols,
             self.depth,
             indices,
-            self.elements,
-            self.narrow,
+            self.elements.types,
+            self.elements.narrow,
+            self.rows.lengths,
         )
 
     def _read_after(self) -> set[int]:
@@ -347,6 +355,7 @@ class _Raising:
             first, limit = first.times(-1), limit.times(-1)
         value = symbol(name).times(counter.step)
         self.values[Ref(counter.phi.id)] = self.counted[Ref(counter.phi.id)] = value
+        self.bounds[name] = first, limit
         return Dimension(level.loop.header, counter, name, value, (first, limit))
 
     def _is_any(self, name: str) -> bool:
@@ -435,6 +444,9 @@ class _Raising:
         if len(instr.operands) > _OPERANDS[instr.op]:
             raise _NotStatic("an access is predicated")
         subscripts = subscripts_of(self.function).of(instr)
+        if self.function.block_of[instr.id] not in self.counters:  # a header runs behind its loop
+            index = self.polynomials.of(instr.operands[1])
+            subscripts = self.rows.taken_apart(instr, index, self._is_in_row) or subscripts
         step = element_bytes(instr)
         moved = [self._affine(one) for one in subscripts or ()]
         forms = [one and one.times(1 << instr.shift).divided(step) for one in moved]
@@ -444,31 +456,20 @@ class _Raising:
         known[-1] = known[-1].plus(Form((), instr.offset // step))
         if self.axes.setdefault(instr.array, len(known)) != len(known):
             raise _NotStatic(f"subscripts of {instr.array} are not known everywhere")
-        self._check_element(instr)
+        if fault := self.elements.fault(instr):
+            raise _NotStatic(fault)
         return Access(instr, instr.array, tuple(known))
 
-    def _check_element(self, instr: Instr) -> None:
-        """Elements of an array are of one size and one type in all accesses; those of less than a
-        word are integers that all loads extend in one way.
-        """
-        is_narrow = instr.width != WORD_BYTES
-        if self.widths.setdefault(instr.array, instr.width) != instr.width:
-            raise _NotStatic(f"elements of {instr.array} are not of one size")
-        if is_narrow and instr.op is Opcode.LOAD:
-            other = self.narrow.setdefault(instr.array, instr)
-            if other.signed != instr.signed:
-                raise _NotStatic(f"elements of {instr.array} have a sign in some loads only")
-        kind = instr.type
-        if instr.op is Opcode.STORE:
-            value = instr.operands[2]
-            kind = self._types.get(value.id, Type.ANY) if isinstance(value, Ref) else Type.ANY
-            dtype = self.dtypes.get(instr.array)
-            if kind is Type.ANY and dtype is not None:
-                kind = Type.F32 if dtype.is_float else Type.I32
-        if is_narrow and kind is not Type.I32:
-            raise _NotStatic(f"elements of {instr.array} are less than a word, and no integers")
-        if kind not in (Type.F32, Type.I32) or self.elements.setdefault(instr.array, kind) != kind:
-            raise _NotStatic(f"elements of {instr.array} are not of one type")
+    def _is_in_row(self, column: Polynomial, length: Input) -> bool:
+        """Whether a column is a counter that stays in a row so long, or so much beside one."""
+        form = self._affine(column)
+        if form is None or [factor for _, factor in form.terms] != [1]:
+            return False
+        [(name, _)] = form.terms
+        first, limit = self.bounds.get(name, (symbol(name), symbol(name)))
+        least = first.plus(Form((), form.constant))
+        room = symbol(self._symbol(length)).plus(limit.plus(Form((), form.constant)), -1)
+        return not (least.terms or room.terms) and min(least.constant, room.constant) >= 0
 
 
 def _with_scalars(nest: Nest, depth: Mapping[int, int], after: set[int]) -> Nest:

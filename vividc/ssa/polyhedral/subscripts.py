@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -109,6 +109,97 @@ class Subscripts:
     def _axes(self, array: str) -> int:
         param = next((p for p in self.function.params if p.name == array), None)
         return 1 if param is None else param.ndim
+
+
+class FlatRows:
+    """Elements of matrices, and of arrays that a kernel makes, whose flat indices prove to be of
+    rows, as numpy's own loops and products address them.
+
+    Attributes
+    ----------
+    lengths
+        Of the rows of each array that the kernel makes, as far as they were found.
+    """
+
+    def __init__(self, function: Function) -> None:
+        self.lengths: dict[str, Input] = {}
+        self._known: dict[str, Input | None] = {
+            param.name: Input(f"{param.name}.shape1")
+            for param in function.params
+            if param.ndim == 2 and not param.flat  # noqa: PLR2004 - rows, columns
+        }
+        self._known |= {one.name: None for one in function.locals if one.contents is None}
+
+    def taken_apart(
+        self, access: Instr, index: Polynomial, is_in_row: Callable[[Polynomial, Input], bool]
+    ) -> tuple[Polynomial, Polynomial] | None:
+        """Row and column; None: they are not known, or are by rows of another length elsewhere."""
+        name = access.array
+        for row, column, length in _rows_of(index) if name in self._known else ():
+            if self._known[name] in (length, None) and is_in_row(column, length):
+                if self._known[name] is None and self.lengths.setdefault(name, length) != length:
+                    return None
+                return row, column
+        return None
+
+
+def _rows_of(index: Polynomial) -> Iterator[tuple[Polynomial, Polynomial, Input]]:
+    """Yield what an index may be made of: row, column, and the length of rows, an input."""
+    lengths = {v: None for monomial in index.terms if len(monomial) > 1 for v in monomial}
+    for length in lengths:
+        if isinstance(length, Input):
+            row: dict[tuple[Value, ...], int] = {}
+            column: dict[tuple[Value, ...], int] = {}
+            for monomial, factor in index.terms.items():
+                rest = list(monomial)
+                if length in rest:
+                    rest.remove(length)
+                    row[tuple(rest)] = factor
+                else:
+                    column[monomial] = factor
+            yield Polynomial(row), Polynomial(column), length
+
+
+class Elements:
+    """What arrays are made of, of one size and one type in all accesses; those of less than a word
+    are integers that all loads extend in one way.
+
+    Attributes
+    ----------
+    types
+        Of the elements of each array.
+    narrow
+        A load of each array whose elements are less than a word, if there is one.
+    """
+
+    def __init__(self, function: Function) -> None:
+        self.types: dict[str, Type] = {}
+        self.narrow: dict[str, Instr] = {}
+        self._widths: dict[str, int] = {}
+        self._dtypes = {param.name: param.dtype for param in function.params}
+        self._kinds = {item.id: item.type for block in function.blocks for item in block.items}
+
+    def fault(self, access: Instr) -> str | None:
+        """Why an access does not fit those before it; None: it does."""
+        array, is_narrow = access.array, access.width != WORD_BYTES
+        if self._widths.setdefault(array, access.width) != access.width:
+            return f"elements of {array} are not of one size"
+        if is_narrow and access.op is Opcode.LOAD:
+            other = self.narrow.setdefault(array, access)
+            if other.signed != access.signed:
+                return f"elements of {array} have a sign in some loads only"
+        kind = access.type
+        if access.op is Opcode.STORE:
+            value = access.operands[2]
+            kind = self._kinds.get(value.id, Type.ANY) if isinstance(value, Ref) else Type.ANY
+            dtype = self._dtypes.get(array)
+            if kind is Type.ANY and dtype is not None:
+                kind = Type.F32 if dtype.is_float else Type.I32
+        if is_narrow and kind is not Type.I32:
+            return f"elements of {array} are less than a word, and no integers"
+        if kind not in (Type.F32, Type.I32) or self.types.setdefault(array, kind) != kind:
+            return f"elements of {array} are not of one type"
+        return None
 
 
 @once_within

@@ -34,7 +34,11 @@ class Words:
     """
 
     def __init__(
-        self, ids: FreshIds, symbols: Mapping[str, Value], quotients: Mapping[str, Quotient]
+        self,
+        ids: FreshIds,
+        symbols: Mapping[str, Value],
+        quotients: Mapping[str, Quotient],
+        rows: Mapping[str, Input],
     ) -> None:
         self.ids = ids
         self.names = dict(symbols)
@@ -43,6 +47,7 @@ class Words:
         self.loc: SourceLoc | None = None
         self._symbols = symbols
         self._quotients = quotients
+        self._rows = rows
         self._predicates: set[Value] = set()
 
     def emit(self, opcode: Opcode, *operands: Value | int, exact: bool = False) -> Value:
@@ -114,11 +119,11 @@ class Words:
     def access(self, instr: Instr, place: Place, rest: tuple[Value, ...]) -> Value:
         """An access to an element as by `instr`; `rest`: the value of a store, and a predicate."""
         axes = range(1, len(place.subscripts))
-        pitches = tuple(pitch_of(instr.array, axis) for axis in axes)
+        pitches = tuple(self._pitch(instr.array, axis) for axis in axes)
         array, base, subscript = instr.array, instr.operands[0], instr.subscript
         if place.owner != array:
             array, base, subscript = str(place.owner), Input(f"&{place.owner}"), ()
-            pitches = tuple(Input(f"{instr.array}.shape{axis}") for axis in axes)
+            pitches = tuple(self._length(instr.array, axis) for axis in axes)
         index = self.element(place.subscripts, pitches)
         step = element_bytes(instr)
         made = changed(
@@ -133,6 +138,12 @@ class Words:
         )
         self.instrs.append(made)
         return Ref(made.id)
+
+    def _pitch(self, array: str, axis: int) -> Input:
+        return self._rows.get(array) or pitch_of(array, axis)
+
+    def _length(self, array: str, axis: int) -> Input:
+        return self._rows.get(array) or Input(f"{array}.shape{axis}")
 
     def as_loaded(self, load: Instr, value: Value) -> Value:
         """What a load of less than a word gives after a value is stored there."""

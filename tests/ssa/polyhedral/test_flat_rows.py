@@ -1,0 +1,99 @@
+"""Matrices and own arrays by flat indices: as products and numpy's own loops address them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import vividc
+from tests.ssa.support import function
+from vividc.ssa.polyhedral.forms import Form, symbol
+from vividc.ssa.polyhedral.scop import find_scop
+from vividc.ssa.rewrite.refusal import Refusal
+
+NEST = """param "a" int32[2]
+local "t" words 0 size "s:a.shape0" "s:a.shape1" "*" 1 "*"
+b0:
+  jump b1
+b1:
+  %0 i32 = phi [b0: 0x0, b5: %1]
+  %2 pred = icmp.slt %0, $"a.shape0"
+  branch %2 b2 else b6
+b2:
+  %3 i32 = mul %0, $"a.shape1"
+  jump b3
+b3:
+  %4 i32 = phi [b2: {first}, b4: %5]
+  %6 pred = icmp.slt %4, $"{limit}"
+  branch %6 b4 else b5
+b4:
+  %7 i32 = add %3, {column}
+  %8 none = store $"&{array}", %7, %0 array "{array}" shift 2
+  %5 i32 = add %4, 0x1 exact
+  jump b3
+b5:
+  %1 i32 = add %0, 0x1 exact
+  jump b1
+b6:
+  return
+"""
+
+
+def subscripts(
+    array: str = "t", first: str = "0x0", limit: str = "a.shape1", column: str = "%4"
+) -> tuple[Form, ...] | str:
+    """Of the store, or why there are none."""
+    text = NEST.format(array=array, first=first, limit=limit, column=column)
+    made = find_scop(function(text), "b1")
+    if isinstance(made, Refusal):
+        return made.reason
+    [statement] = made.statements
+    [access] = statement.accesses.values()
+    assert made.rows.keys() == ({"t"} if array == "t" else set())
+    return access.subscripts
+
+
+@pytest.mark.parametrize("array", ["t", "a"])
+def test_an_index_is_of_a_row_and_a_column(array: str) -> None:
+    assert subscripts(array) == (symbol("i0"), symbol("i1"))
+
+
+@pytest.mark.parametrize(
+    "given",
+    [{"limit": "n"}, {"first": "0xffffffff"}, {"column": "%0"}, {"array": "b"}],
+    ids=["a column may be behind its row", "or before it", "or any", "rows have another length"],
+)
+def test_what_may_be_in_another_row_is_refused(given: dict[str, str]) -> None:
+    array = given.get("array", "t")
+    assert subscripts(**given) == f"a subscript of {array} is not affine"
+
+
+M = "float32[:, ::1]"
+
+
+@vividc.kernel(f"void(float32, {M}, {M}, {M})")
+def product(alpha: Any, c: Any, a: Any, b: Any) -> None:
+    c[:] = alpha * a @ b + c
+
+
+@pytest.fixture(scope="module")
+def compiled() -> vividc.Program:
+    return vividc.compile(product, effort="fast")
+
+
+@pytest.mark.parametrize("shape", [(14, 14, 14), (3, 5, 2), (1, 4, 9), (7, 1, 1), (4, 0, 6)])
+def test_a_product_of_a_temporary_is_given_other_loops(
+    compiled: vividc.Program, shape: tuple[int, int, int]
+) -> None:
+    n, k, m = shape
+    rng = np.random.default_rng(1)
+    made = [rng.random(size, np.float32) for size in ((n, m), (n, k), (k, m))]
+    expected = [one.copy() for one in made]
+    product(np.float32(1.5), *expected)
+    kinds = {one.kind for loop in compiled.loops for one in loop.transforms if one.chosen}
+    assert "restructuring" in kinds
+    vividc.simulate(compiled, np.float32(1.5), *made)
+    for mine, numbas in zip(made, expected, strict=True):
+        np.testing.assert_allclose(mine, numbas, rtol=1e-5)
