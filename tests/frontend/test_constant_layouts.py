@@ -9,6 +9,9 @@ import pytest
 
 from tests.e2e.constructs.registry import Construct
 from tests.e2e.test_constructs import interpreted
+from tests.fuzz.witnesses import run_regions
+from vividc.compiler.driver import lower
+from vividc.errors import VividcWarning
 from vividc.frontend import KernelFunction
 
 BASE = np.arange(24, dtype=np.int32)
@@ -156,3 +159,19 @@ def test_a_wide_result_whose_shift_is_stored() -> None:
     value = program(*args, expected)
     assert interpreted(Construct(program, (), False), (*args, found)) == value == 2**40 + 2
     np.testing.assert_array_equal(found, expected)
+
+
+THIRDS = np.array([1 / 3, -2 / 3, 4.0])
+
+
+def test_elements_of_float64_are_rounded_with_a_warning() -> None:
+    def program(x):
+        for i in range(len(x)):
+            x[i] = THIRDS[i % 3] * x[i]
+
+    kernel = KernelFunction(program, "void(float32[::1])", None)
+    mine, theirs = np.arange(7, dtype=np.float32), np.arange(7, dtype=np.float32)
+    kernel(theirs)
+    with pytest.warns(VividcWarning, match=r":\d+: a constant array of float64 is rounded"):
+        run_regions(lower(kernel), [mine])
+    np.testing.assert_allclose(mine, theirs, rtol=1e-6)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 from random import Random
 
@@ -240,6 +241,47 @@ def test_sizes_may_be_quotients(function: object) -> None:
             y = x.copy()
             kernel(x, n)
             run_regions(lowered, [y, np.int32(n)])
+            np.testing.assert_array_equal(y, x)
+
+
+def windows_of_a_width(x, n):
+    y = np.zeros(len(x) - n + 1, np.float32)
+    for i in range(len(y)):
+        y[i] = np.sum(x[i : i + n])
+    x[: len(y)] = y
+
+
+def all_but_the_larger(x, n):
+    y = np.zeros(len(x) - max(n, 2 - n), np.float32)
+    y += 1
+    x[: len(y)] += y
+
+
+def grown_up_to_a_scalar(x, n):
+    for k in range(1, n + 1):
+        y = np.full(k, np.float32(k))
+        x[0] += y.sum()
+
+
+def grown_up_to_a_difference(x, n):
+    for k in range(len(x) - n + 1):
+        y = np.full(k, np.float32(k))
+        x[0] += y.sum()
+
+
+@pytest.mark.parametrize(
+    "function",
+    [windows_of_a_width, all_but_the_larger, grown_up_to_a_scalar, grown_up_to_a_difference],
+)
+def test_sizes_may_be_differences_of_shapes_and_scalars(function: object) -> None:
+    for kind in ("int32", "int64", "uint8"):
+        kernel = KernelFunction(function, f"void(float32[::1], {kind})", None)
+        lowered = lower(kernel)
+        for length, n in itertools.product((3, 7, 8), (1, 2, 3)):
+            x = np.arange(1, length + 1, dtype=np.float32)
+            y = x.copy()
+            kernel(x, n)
+            run_regions(lowered, [y, np.dtype(kind).type(n)])
             np.testing.assert_array_equal(y, x)
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 
 import numpy as np
 
-from vividc.errors import InternalError, KernelError, SourceLoc
+from vividc.errors import InternalError, KernelError, SourceLoc, warn
 from vividc.frontend.advice import Advice
 from vividc.frontend.llvm.tokens import Cursor, bare, unescaped
 from vividc.frontend.ranges.interval import S32, U32
@@ -56,10 +57,18 @@ def words_of(table: Table, loc: SourceLoc | None) -> tuple[int, ...]:
     Raises
     ------
     KernelError
-        An element has no word of the same value.
+        An element has no word of the same value, or of float64 none near it.
+
+    Warns
+    -----
+    VividcWarning
+        Elements of float64 are rounded.
     """
     if table.element in ("float", "double"):
-        return tuple(_float_word(float(value), table, loc) for value in table.values)
+        words = tuple(_float_word(float(value), table, loc) for value in table.values)
+        if table.element == "double":
+            _tell_rounded(np.array(table.values), loc)
+        return words
     if table.element == "i64" and not any(
         all(low <= value <= high for value in table.values) for low, high in (S32, U32)
     ):
@@ -84,18 +93,29 @@ def packed_words_of(table: Table) -> tuple[int, ...]:
 
 
 def _float_word(value: float, table: Table, loc: SourceLoc | None) -> int:
+    """Elements of float64 are rounded, as those of the kernel's own arrays are."""
     with np.errstate(over="ignore", under="ignore", invalid="ignore"):
         narrow = np.float32(value)
-    if table.element == "double" and float(narrow) != value and value == value:  # noqa: PLR0124
+    lost = math.isinf(narrow) or (not narrow and value)
+    if table.element == "double" and lost and math.isfinite(value):
         raise KernelError(
-            f"a constant array of float64 holds {value!r}, which is not a float32",
+            f"a constant array of float64 holds {value!r}, which float32 cannot hold",
             loc=loc,
             hint=Advice(
-                "make it of float32: np.array([...], np.float32), or table.astype(np.float32)",
+                "keep its numbers within float32, or scale them",
                 c="make it an array of float",
             ),
         )
     return int(narrow.view(np.uint32))
+
+
+def _tell_rounded(values: np.ndarray, loc: SourceLoc | None) -> None:
+    with np.errstate(under="ignore"):
+        rounded = values.astype(np.float32)
+    if not np.array_equal(rounded, values, equal_nan=True):
+        place = "" if loc is None else f"{loc}: "
+        instead = "make it of float32, np.array([...], np.float32), to round it yourself"
+        warn(f"{place}a constant array of float64 is rounded to float32; {instead}")
 
 
 def _scalar_of(type_: str) -> str:

@@ -38,6 +38,9 @@ _SHORT = 24
 """A formula of more items is made shorter: one for the shape of a broadcast has each of its arrays.
 """
 
+_OPPOSITES = {"sgt": "sle", "sge": "slt", "ugt": "ule", "uge": "ult"}
+"""What holds where a comparison does not."""
+
 _Asked = tuple[Key, str, bool, frozenset[int]]
 """A value, where, whether it is signed, and the phis that are assumed to have a bound."""
 
@@ -159,16 +162,47 @@ class LaunchSizes:
         return None if most is None else (*most, 0, "max", abs(divisor), "//")
 
     def _negative(self, operand: Value, block: str, depth: int) -> Formula | None:
-        """What minus `operand` is at most: a constant, or of a difference its other sign."""
+        """What minus `operand` is at most: a constant, or of an input, a sum, a difference, a
+        choice its other sign.
+        """
+        known = self._negative_input(operand)
         op = definition_of(self._function, operand)
-        if isinstance(op, Instr) and op.op == "sub" and depth:
-            right = self._bound(op.operands[1], block, False, depth - 1)
-            less = self._negative(op.operands[0], block, depth - 1)
-            if right is not None and less is not None:
-                return (*right, *less, "+")
+        if known is None and isinstance(op, Instr) and depth:
+            known = self._negative_of(op, block, depth - 1)
+        if known is not None:
+            return known
         low = self._ranges.at(operand, block)[0]
         # That a dimension is no longer than a scratchpad is no size for an array.
         return (-low,) if low > -MAX_DIMENSION else None
+
+    def _negative_input(self, operand: Value) -> Formula | None:
+        """Minus an input, in as many bits as it is launched with."""
+        sign = "s:"
+        op = definition_of(self._function, operand)
+        if isinstance(op, Instr) and op.op in ("sext", "zext", "freeze"):
+            operand, sign = op.operands[0], "u:" if op.op == "zext" else "s:"
+        elif not isinstance(operand, Input) or self._params[operand.key] != "i64":
+            return None
+        is_word = isinstance(operand, Input) and self._params[operand.key] in ("i32", "i64")
+        return (f"{sign}{operand.key}", -1, "*") if is_word else None
+
+    def _negative_of(self, op: Instr, block: str, depth: int) -> Formula | None:
+        """Minus a sum, a difference or a choice."""
+        if op.op == "sub":
+            right = self._bound(op.operands[1], block, False, depth)
+            less = self._negative(op.operands[0], block, depth)
+            return None if right is None or less is None else (*right, *less, "+")
+        operator, operands = "max", op.operands[-2:]
+        if op.op == "add" and "nsw" in op.flags:
+            operator = "+"
+        elif op.op == "call" and op.pred.startswith(("llvm.smax", "llvm.umax")):
+            operator = "min"
+        elif op.op != "select" and not op.pred.startswith(("llvm.smin", "llvm.umin")):
+            return None
+        one, other = (self._negative(arg, block, depth) for arg in operands)
+        if one is None or other is None:
+            return one or other if operator == "min" else None
+        return (*one, *other, operator)
 
     def _counter(self, phi: Phi, depth: int) -> Formula | None:
         """A loop's counter: its start or, if it grows, the limit that its header tests."""
@@ -274,14 +308,19 @@ class LaunchSizes:
         inside = [target in self._loops[header] for target in leave.successors]
         if (
             not isinstance(test, Instr)
-            or inside != [True, False]
+            or sorted(inside) != [False, True]
             or test.operands[0] != Ref(phi.id)
         ):
             return None
+        pred = test.pred if inside[0] else _OPPOSITES.get(test.pred, "")
         limit = test.operands[1]
-        if test.pred != "slt" and (test.pred != "ult" or self._ranges.at(limit, header)[0] < 0):
+        is_signed = pred in ("slt", "sle")
+        if not is_signed and (
+            pred not in ("ult", "ule") or self._ranges.at(limit, header)[0] < 0
+        ):
             return None
-        return self._bound(limit, header, test.pred == "slt", depth - 1)
+        bound = self._bound(limit, header, is_signed, depth - 1)
+        return (*bound, 1, "+") if bound and pred.endswith("le") else bound
 
     def _choice(self, op: Instr, block: str, depth: int) -> Formula | None:
         return self._all("max", op.operands[1:], block, depth)
