@@ -164,6 +164,7 @@ def test_a_wide_result_whose_shift_is_stored() -> None:
 THIRDS = np.array([1 / 3, -2 / 3, 4.0])
 
 
+@pytest.mark.filterwarnings("ignore:.*float64 arithmetic runs in float32")
 def test_elements_of_float64_are_rounded_with_a_warning() -> None:
     def program(x):
         for i in range(len(x)):

@@ -1,4 +1,4 @@
-"""erf, erfc, the inverse hyperbolic functions and frexp of float32, in units of the last place."""
+"""erf, gamma, inverse hyperbolic functions and frexp of float32, in units of the last place."""
 
 from __future__ import annotations
 
@@ -10,11 +10,15 @@ import pytest
 
 from tests.e2e.constructs.registry import Construct
 from tests.e2e.test_constructs import interpreted
+from tests.fuzz.witnesses import run_regions
+from vividc.compiler.driver import lower
+from vividc.errors import VividcWarning
 from vividc.frontend import KernelFunction
 
 SIGNATURE = "void(float32[::1], float32[::1])"
 EDGES = (0.0, -0.0, np.inf, -np.inf, np.nan, 1e-45, -1e-45, 1e-38, 0.5, 0.9, 1.0, -1.0, 1e8, 3e38)
 LIMITS = {"erf": 3.0, "erfc": 6.0, "asinh": 4.0, "acosh": 4.0, "atanh": 4.0, "cbrt": 0.6}
+LIMITS |= {"gamma": 8.0}
 
 
 def erf(x, y):
@@ -55,6 +59,11 @@ def arctanh(x, y):
         y[i] = np.arctanh(x[i])
 
 
+def gamma(x, y):
+    for i in range(len(x)):
+        y[i] = math.gamma(x[i])
+
+
 def cbrt(x, y):
     y[:] = np.cbrt(x)
 
@@ -78,14 +87,18 @@ def exact(function: Callable[[float], float], x: np.ndarray) -> np.ndarray:
     def value(number: float) -> float:
         try:
             return function(number)
+        except OverflowError:
+            return math.copysign(math.inf, number)
         except ValueError:
             is_pole = function is math.atanh and abs(number) == 1
+            is_pole |= function is math.gamma and number == 0
             return math.copysign(math.inf, number) if is_pole else math.nan
 
-    return np.array([value(float(number)) for number in x])
+    found = np.array([value(float(number)) for number in x])
+    return np.where(np.abs(found) > np.finfo(np.float32).max, np.copysign(np.inf, found), found)
 
 
-KERNELS = [erf, erfc, asinh, acosh, atanh, arcsinh, arccosh, arctanh, cbrt]
+KERNELS = [erf, erfc, asinh, acosh, atanh, arcsinh, arccosh, arctanh, gamma, cbrt]
 
 
 @pytest.mark.parametrize("kernel", KERNELS)
@@ -100,11 +113,34 @@ def test_a_function_keeps_its_bound(kernel: Callable[..., None]) -> None:
     np.testing.assert_array_equal(y[~finite], expected[~finite].astype(np.float32))
     unit = np.spacing(np.maximum(np.abs(expected[finite]), 2.0**-126).astype(np.float32))
     errors = np.abs(y[finite] - expected[finite]) / unit
-    # Of what is less than the least normal erfc may be 0, as exp is.
-    errors[np.abs(expected[finite]) < 2.0**-126] *= name != "erfc"
-    if name != "acosh":
+    # Of what is less than the least normal erfc and gamma may be 0, as exp is.
+    errors[np.abs(expected[finite]) < 2.0**-126] *= name not in ("erfc", "gamma")
+    if name not in ("acosh", "gamma"):
         np.testing.assert_array_equal(np.signbit(y[finite]), np.signbit(expected[finite]))
     assert errors.max() <= LIMITS[name], (name, errors.max(), x[finite][errors.argmax()])
+
+
+def of_doubles(x, y, n):
+    for i in range(len(x)):
+        y[0, i] = math.asinh(x[i] * 2.0)
+        y[1, i] = np.arccosh(x[i] + 4.5)
+        y[2, i] = np.arctanh(x[i] * 0.1)
+        y[3, i] = math.erf(x[i] * 0.5)
+        y[4, i] = math.erfc(x[i] * 0.5)
+        y[5, i] = math.gamma(x[i] * 1.1)
+    y[6, 0] = math.asinh(n)
+    y[6, 1] = math.erf(n)
+    y[6, 2] = math.gamma(n)
+
+
+def test_functions_of_float64_and_integers_run_in_float32_with_a_warning() -> None:
+    kernel = KernelFunction(of_doubles, "void(float32[::1], float32[:, ::1], int32)", None)
+    x = np.linspace(-3.3, 3.2, 9).astype(np.float32)
+    theirs, mine = np.zeros((7, 9), np.float32), np.zeros((7, 9), np.float32)
+    kernel(x, theirs, 5)
+    with pytest.warns(VividcWarning, match="float64 arithmetic runs in float32"):
+        run_regions(lower(kernel), [x, mine, np.int32(5)])
+    np.testing.assert_allclose(mine, theirs, rtol=3e-6)
 
 
 def numpys(x, y):

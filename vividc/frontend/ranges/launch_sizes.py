@@ -315,9 +315,7 @@ class LaunchSizes:
         pred = test.pred if inside[0] else _OPPOSITES.get(test.pred, "")
         limit = test.operands[1]
         is_signed = pred in ("slt", "sle")
-        if not is_signed and (
-            pred not in ("ult", "ule") or self._ranges.at(limit, header)[0] < 0
-        ):
+        if not is_signed and (pred not in ("ult", "ule") or self._ranges.at(limit, header)[0] < 0):
             return None
         bound = self._bound(limit, header, is_signed, depth - 1)
         return (*bound, 1, "+") if bound and pred.endswith("le") else bound

@@ -1,8 +1,8 @@
 """Functions on float32, and `**` of complex numbers, that neither LLVM nor the array has, in
 operations that both have.
 
-They stand in for numba's on our target only. Arguments are float32: of a float64 numba calls a
-library that the array has not, and the call is refused with its line.
+They stand in for numba's on our target only, where numba would call a library that the array has
+not. Of a float64 they are the same operations, which run in float32 with a warning.
 """
 
 from __future__ import annotations
@@ -64,6 +64,26 @@ _ERFC = tuple(
         -0.0006378956022672355,
     )
 )
+# Of gamma(x) over 2 x - 3 in 1 .. 2, likewise.
+_GAMMA = tuple(
+    _F(c)
+    for c in (
+        0.8862269245597361,
+        0.016169141811899792,
+        0.1037034270582266,
+        -0.013410727584344527,
+        0.009039603120085194,
+        -0.0024287589045513362,
+        0.0009188422605159385,
+        -0.0002832634416576403,
+        9.523930239131618e-05,
+        -4.638636454454116e-05,
+        1.5962751816532482e-05,
+    )
+)
+_GAMMA_HIGH, _GAMMA_LOW = _F(36), _F(-43)
+"""gamma is infinite in float32 from before here on, and 0 down to here."""
+_THREE = _F(3)
 _CENTRE = _F(4)
 _VANISHED = _F(11)
 """erfc is 0 in float32 from before here on."""
@@ -82,6 +102,25 @@ def _is_float32(x: Any) -> bool:
     return bool(x == types.float32)
 
 
+def _is_number(x: Any) -> bool:
+    """Whether the function of it is a float; of an integer numba computes that of a float64."""
+    return isinstance(x, types.Float | types.Integer | types.Boolean)
+
+
+def _of_floats(function: Callable[..., Any], x: Any) -> Callable[..., Any] | None:
+    """What stands in for a function of `x`: of integers, that of a float64."""
+    if isinstance(x, types.Float):
+        return function
+    if not _is_number(x):
+        return None
+    of_float = _helper(function)
+
+    def of_integer(x: Any) -> Any:
+        return of_float(float(x))
+
+    return of_integer
+
+
 @_overload(math.erf)
 def _overload_erf(x: Any) -> Any:
     """Within 3 ulp."""
@@ -89,10 +128,10 @@ def _overload_erf(x: Any) -> Any:
     def erf(x: Any) -> Any:
         a = abs(x)
         if a < _ERF_FROM:
-            return x * _near_zero(x * x)
-        return math.copysign(_ONE - _upper(a), x)
+            return x * _near_zero(_F(x * x))
+        return math.copysign(_ONE - _upper(_F(a)), x)
 
-    return erf if _is_float32(x) else None
+    return _of_floats(erf, x)
 
 
 @_overload(math.erfc)
@@ -102,11 +141,11 @@ def _overload_erfc(x: Any) -> Any:
     def erfc(x: Any) -> Any:
         a = abs(x)
         if a < _ERFC_FROM:
-            return _ONE - x * _near_zero(x * x)
-        tail = _upper(a)
+            return _ONE - x * _near_zero(_F(x * x))
+        tail = _upper(_F(a))
         return _TWO - tail if x < 0 else tail
 
-    return erfc if _is_float32(x) else None
+    return _of_floats(erfc, x)
 
 
 @_helper
@@ -155,7 +194,7 @@ def _overload_asinh(x: Any) -> Any:
         square = a * a
         return math.copysign(math.log1p(a + square / (_ONE + math.sqrt(_ONE + square))), x)
 
-    return asinh if _is_float32(x) else None
+    return _of_floats(asinh, x)
 
 
 @_overload(math.acosh)
@@ -170,7 +209,7 @@ def _overload_acosh(x: Any) -> Any:
         t = x - _ONE
         return math.log1p(t + math.sqrt(t * (t + _TWO)))
 
-    return acosh if _is_float32(x) else None
+    return _of_floats(acosh, x)
 
 
 @_overload(math.atanh)
@@ -181,7 +220,49 @@ def _overload_atanh(x: Any) -> Any:
         a = abs(x)
         return math.copysign(_HALF * math.log1p(_TWO * a / (_ONE - a)), x)
 
-    return atanh if _is_float32(x) else None
+    return _of_floats(atanh, x)
+
+
+@_overload(math.gamma)
+def _overload_gamma(x: Any) -> Any:
+    """Within 20 ulp: a product of numbers down to 1 .. 2, or quotient up to there. NaN of negative
+    integers.
+    """
+
+    def gamma(x: Any) -> Any:
+        if x > _GAMMA_HIGH:
+            return x * _LARGE * _LARGE
+        if x <= _F(0) and x == np.floor(x):
+            return _ONE / x if x == _F(0) else _NAN
+        if x < _GAMMA_LOW:
+            return x * _F(0)
+        scale = _DOWN if x < -_ONE else _ONE  # the factors below 1 come last
+        z, over, under = _F(x), _ONE, scale
+        while z >= _TWO:
+            z -= _ONE
+            over *= z
+        while z < _ONE:
+            under *= z
+            z += _ONE
+        return over * _near_one(_TWO * z - _THREE) / under * scale
+
+    return _of_floats(gamma, x)
+
+
+@_helper
+def _near_one(t: Any) -> Any:
+    """gamma(z) for t = 2 z - 3 and z in 1 .. 2."""
+    result = _GAMMA[10]
+    result = _fma(result, t, _GAMMA[9])
+    result = _fma(result, t, _GAMMA[8])
+    result = _fma(result, t, _GAMMA[7])
+    result = _fma(result, t, _GAMMA[6])
+    result = _fma(result, t, _GAMMA[5])
+    result = _fma(result, t, _GAMMA[4])
+    result = _fma(result, t, _GAMMA[3])
+    result = _fma(result, t, _GAMMA[2])
+    result = _fma(result, t, _GAMMA[1])
+    return _fma(result, t, _GAMMA[0])
 
 
 @_overload(math.frexp)
@@ -271,9 +352,9 @@ def _with(function: Callable[..., Any]) -> Callable[..., Any]:
 
 _LOOPS: dict[Any, dict[str, Callable[..., Any]]] = {
     np.cbrt: {"f->f": _with(cbrt)},
-    np.arcsinh: {"f->f": _with(_asinh)},
-    np.arccosh: {"f->f": _with(_acosh)},
-    np.arctanh: {"f->f": _with(_atanh)},
+    np.arcsinh: {"f->f": _with(_asinh), "d->d": _with(_asinh)},
+    np.arccosh: {"f->f": _with(_acosh), "d->d": _with(_acosh)},
+    np.arctanh: {"f->f": _with(_atanh), "d->d": _with(_atanh)},
     np.power: {"FF->F": complex_power, "DD->D": complex_power},
 }
 
