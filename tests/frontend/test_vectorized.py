@@ -64,3 +64,14 @@ def written_to_an_out(a, b, n):
 def test_an_out_is_refused() -> None:
     with pytest.raises(KernelError, match="blended"):
         vividc.kernel(SIGNATURE)(written_to_an_out).lower()
+
+
+def test_a_function_of_elements_is_a_kernel_of_arrays_and_numbers() -> None:
+    jitted = vividc.jit(blended, effort="fast")
+    a, b = np.arange(6, dtype=np.float32).reshape(2, 3), np.full(3, 2, np.float32)
+    np.testing.assert_array_equal(jitted(a, b), blended(a, b))
+    np.testing.assert_array_equal(jitted.reference(a, b), blended(a, b))
+    assert jitted(np.float32(3), np.float32(2)) == 7
+    kernel = vividc.kernel("(int32[::1],)")(squared)
+    assert (kernel.name, kernel.params[0].name) == ("squared", "x")
+    assert kernel.line == squared._dispatcher.py_func.__code__.co_firstlineno

@@ -19,6 +19,7 @@ from vividc.compiler.driver import compile
 from vividc.errors import ArgumentError, KernelError, SourceLoc, demand_type, quoted
 from vividc.frontend import KernelFunction
 from vividc.frontend.kernel import kernel
+from vividc.frontend.numba.vectorized import as_function
 from vividc.gemm.kernels.simulate import simulate
 from vividc.launch import JobResult
 from vividc.program import Program
@@ -49,7 +50,7 @@ class JitFunction:
         error_model: Literal["numpy", "python"] = "numpy",
     ) -> None:
         self._given = py_func
-        py_func = getattr(py_func, "py_func", py_func)
+        py_func = as_function(py_func)
         functools.update_wrapper(self, py_func)
         self.py_func = py_func
         self.name = py_func.__name__
@@ -192,7 +193,8 @@ def jit(
     Parameters
     ----------
     py_func
-        A Python function, or one that numba has compiled, with its options as of `vividc.kernel`.
+        A Python function, or one that numba has compiled, with its options as of `vividc.kernel`,
+        or that `numba.vectorize` has made.
     fabric
         A fabric or an accelerator, a preset's name, or a YAML file.
     error_model
@@ -214,8 +216,7 @@ def jit(
         raise ArgumentError(f"jit has no option {min(unknown)}", hint=hint)
 
     def decorate(function: Callable[..., Any]) -> JitFunction:
-        plain = getattr(function, "py_func", function)
-        if not inspect.isfunction(plain):
+        if not inspect.isfunction(as_function(function)):
             hint = "decorate a Python function"
             raise KernelError(f"a kernel cannot be made of {quoted(function)}", hint=hint)
         return JitFunction(function, fabric, options, error_model)

@@ -24,6 +24,7 @@ from vividc.frontend.lower import lower
 from vividc.frontend.numba.prange import calls_prange, prange_lines
 from vividc.frontend.numba.raises import ERROR_MODELS, NUMPY, of_model
 from vividc.frontend.numba.target import Callee
+from vividc.frontend.numba.vectorized import as_function
 from vividc.host.inputs import demand_utf8_path
 from vividc.lang.numba_types import TYPES, for_numba, in_arrays
 from vividc.lang.numba_words import plain
@@ -244,7 +245,7 @@ def kernel(
 
     def decorate(py_func: Callable[..., Any]) -> KernelFunction:
         options = getattr(py_func, "targetoptions", {})  # of a function that numba has compiled
-        py_func = getattr(py_func, "py_func", py_func)
+        py_func = as_function(py_func)
         if not inspect.isfunction(py_func):
             hint = "decorate a plain Python function; vividc passes it to numba by itself"
             raise KernelError(f"a kernel cannot be made of {quoted(py_func)}", hint=hint)

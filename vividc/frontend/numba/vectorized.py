@@ -1,5 +1,5 @@
-"""Functions made by `numba.vectorize` in kernels: numba's array expressions call them for each
-element, as what they were made of.
+"""Functions made by `numba.vectorize`, in kernels and as kernels: numba's array expressions call
+them for each element, as what they were made of.
 
 Numba would compile them for the host first, and link that. A function with fixed signatures
 converts its arguments to the first of them that fits, as on the host.
@@ -7,7 +7,10 @@ converts its arguments to the first of them that fits, as on the host.
 
 from __future__ import annotations
 
+import ast
 import functools
+import inspect
+from collections.abc import Callable
 from typing import Any
 
 import numba
@@ -57,3 +60,25 @@ def call_on_numbers(context: Any, builder: Any, sig: Any, args: Any, function: D
     given = [context.cast(builder, *one) for one in zip(args, sig.args, inner.args, strict=True)]
     made = context.compile_internal(builder, function._dispatcher.py_func, inner, given)
     return context.cast(builder, made, inner.return_type, sig.return_type)
+
+
+def as_function(given: Any) -> Any:
+    """What a kernel is made of: of a function of `numba.vectorize` a call on whole arrays or
+    numbers, of one that numba has compiled the function as written, anything else as it is.
+    """
+    if not isinstance(given, DUFunc):
+        return getattr(given, "py_func", given)
+    return _calling(given)
+
+
+@functools.lru_cache(maxsize=256)
+def _calling(function: DUFunc) -> Callable[..., Any]:
+    written = function._dispatcher.py_func
+    names = ", ".join(inspect.signature(written).parameters)
+    tree = ast.parse(f"def {written.__name__}({names}): return _vectorized({names})")
+    ast.increment_lineno(tree, written.__code__.co_firstlineno - 1)
+    made: dict[str, Any] = {"_vectorized": function, "__name__": written.__module__}
+    exec(compile(tree, written.__code__.co_filename, "exec"), made)
+    found: Callable[..., Any] = made[written.__name__]
+    found.__doc__ = written.__doc__
+    return found
