@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numba
 import numpy as np
 import pytest
@@ -59,6 +61,40 @@ def test_a_function_of_numba_is_taken_as_it_was_written() -> None:
     assert str(jitted.kernel(2.0, *fresh()).params[1].type_text) == "float32[::1]"
 
 
+class Box(NamedTuple):
+    low: float
+    high: float
+
+
+def clipped(arrays, box, first=None, mode="both", arrays_0=0):
+    x, y = arrays
+    for i in range(arrays_0, len(x) if first is None else first):
+        y[i] = max(x[i], box.low)
+        if mode == "both":
+            y[i] = min(y[i], box.high)
+    return box, y.sum()
+
+
+@pytest.mark.parametrize("rest", [(), (3,), (None, "low"), (2, "low", 1)])
+def test_tuples_none_and_strings_are_arguments(rest: tuple[object, ...]) -> None:
+    jitted = vividc.jit(numba.njit(clipped), **QUICK)
+    box = Box(2.5, 5.5)
+    (x, mine), (_, theirs) = fresh(), fresh()
+    got, total = jitted((x, mine), box, *rest)
+    expected, sum_ = numba.njit(clipped)((x, theirs), box, *rest)
+    assert (got, total) == (expected, sum_)
+    np.testing.assert_array_equal(mine, theirs)
+    assert jitted.reference(fresh(), box, *rest) == (got, total)
+    assert jitted.kernel((x, mine), box, *rest).line == clipped.__code__.co_firstlineno
+
+
+def test_a_program_is_of_its_constants() -> None:
+    jitted = vividc.jit(clipped, **QUICK)
+    for mode in ("both", "low", "both"):
+        jitted(fresh(), Box(2.5, 5.5), None, mode)
+    assert len(jitted.programs) == 2
+
+
 def test_it_runs_on_an_accelerator() -> None:
     x, y = fresh()
     jitted = vividc.jit(fabric="vivid", **QUICK)(saxpy)
@@ -73,7 +109,9 @@ def test_it_runs_on_an_accelerator() -> None:
 @pytest.mark.parametrize(
     ("args", "text"),
     [
-        ((2.0, "x", np.ones(3, np.float32)), "cannot be an argument of saxpy"),
+        ((2.0, "x", np.ones(3, np.float32)), "a \\* x"),
+        ((2.0, {}, np.ones(3, np.float32)), "cannot be an argument of saxpy"),
+        ((2.0, ([1.0],), np.ones(3, np.float32)), "x_0, .* cannot be an argument of saxpy"),
         ((2.0, [1.0], np.ones(3, np.float32)), "cannot be an argument of saxpy"),
         ((2.0,), "saxpy: missing a required argument: 'x'"),
         ((2.0, np.ones(3), np.ones(3)), "float64"),

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Literal, overload
 
 import numba
@@ -18,6 +18,7 @@ from vividc.arch import Accelerator, Fabric
 from vividc.compiler.driver import compile
 from vividc.errors import ArgumentError, KernelError, SourceLoc, demand_type, quoted
 from vividc.frontend import KernelFunction
+from vividc.frontend.arguments import form_of, function_of_rest, left_of
 from vividc.frontend.kernel import kernel
 from vividc.frontend.numba.vectorized import as_function
 from vividc.gemm.kernels.simulate import simulate
@@ -77,20 +78,22 @@ class JitFunction:
         given = self._bound(args, kwargs)
         machine = self._machine
         program = self._compiled(given)
+        rest = [value for _, value in self._left(given)]
         if isinstance(machine, Accelerator):
-            result: Result | JobResult = simulate(program, *given, fabric=machine)
+            result: Result | JobResult = simulate(program, *rest, fabric=machine)
         else:
-            result = simulate(program, *given)
+            result = simulate(program, *rest)
         self.program, self.report = program, result
         return result.value
 
     def reference(self, *args: object, **kwargs: object) -> Any:
         """Run on the host, through numba."""
         given = self._bound(args, kwargs)
-        return self.kernel(*given)(*given)
+        return self.kernel(*given)(*(value for _, value in self._left(given)))
 
     def kernel(self, *args: object, **kwargs: object) -> KernelFunction:
-        """The kernel for the types of these arguments.
+        """The kernel for the types of these arguments: of None and strings as its constants, and of
+        the parts of tuples.
 
         Raises
         ------
@@ -98,17 +101,22 @@ class JitFunction:
             The function, or the types, are none of a kernel's.
         """
         given = self._bound(args, kwargs)
-        signature = self._types_of(given)
-        if signature not in self._kernels:
-            self._kernels[signature] = kernel(signature, error_model=self._error_model)(self._given)
-        return self._kernels[signature]
+        key = self._types_of(given)
+        if key not in self._kernels:
+            forms = tuple(map(form_of, given))
+            function, signature = self._given, key
+            if any(forms):
+                function = function_of_rest(function, forms, self._error_model)
+                signature = key[: -len(forms)]
+            self._kernels[key] = kernel(signature, error_model=self._error_model)(function)
+        return self._kernels[key]
 
     def _compiled(self, given: tuple[object, ...]) -> Program:
-        signature = self._types_of(given)
-        if signature not in self.programs:
+        key = self._types_of(given)
+        if key not in self.programs:
             found = compile(self.kernel(*given), fabric=self._machine, **self._options)
-            self.programs[signature] = found
-        return self.programs[signature]
+            self.programs[key] = found
+        return self.programs[key]
 
     @functools.cached_property
     def _machine(self) -> Fabric | Accelerator:
@@ -127,9 +135,19 @@ class JitFunction:
         return SourceLoc(self.py_func.__code__.co_filename, self.py_func.__code__.co_firstlineno)
 
     def _types_of(self, given: tuple[object, ...]) -> tuple[Any, ...]:
+        """Types of the arrays and numbers of the arguments and, where there is more than these,
+        what each argument is.
+        """
+        forms = tuple(map(form_of, given))
+        types_ = tuple(self._type_of(name, value) for name, value in self._left(given))
+        return (*types_, *forms) if any(forms) else types_
+
+    def _left(self, given: tuple[object, ...]) -> Iterator[tuple[str, object]]:
+        """The arrays and numbers of the arguments, by name."""
         names = inspect.signature(self.py_func).parameters
         rest = (f"argument {place}" for place in range(len(names) + 1, len(given) + 1))
-        return tuple(map(self._type_of, (*names, *rest), given))
+        for name, value in zip((*names, *rest), given, strict=False):
+            yield from left_of(name, value, form_of(value))
 
     def _type_of(self, name: str, value: object) -> Any:
         """Numba's type of an argument; of a Python float or complex number, which has no width,

@@ -1,0 +1,109 @@
+"""Arguments that numba takes and no program holds: None and strings are constants of a program,
+tuples are as many arguments as they have parts.
+
+A function that takes such is a kernel by another one, of the arguments that are left, which calls
+it: `def scaled(x, by_0, by_1): return _given(x, (by_0, by_1), None)`.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numba
+
+from vividc.frontend.numba.vectorized import as_function
+
+
+@dataclass(frozen=True, slots=True)
+class Constant:
+    """An argument that is a constant: None or a string."""
+
+    value: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """An argument that is a tuple of arguments; `kind`: its class."""
+
+    kind: type
+    forms: tuple[Form, ...]
+
+
+Form = Constant | Parts | None
+"""What an argument is; None: an array or a number."""
+
+
+def form_of(value: object) -> Form:
+    """What an argument is."""
+    if value is None or isinstance(value, str):
+        return Constant(value)
+    if isinstance(value, tuple):
+        return Parts(type(value), tuple(map(form_of, value)))
+    return None
+
+
+def left_of(name: str, value: object, form: Form) -> Iterator[tuple[str, object]]:
+    """The arrays and numbers of an argument, by name."""
+    if form is None:
+        yield name, value
+    elif isinstance(form, Parts):
+        assert isinstance(value, tuple)
+        for number, (part, its_form) in enumerate(zip(value, form.forms, strict=True)):
+            yield from left_of(f"{name}_{number}", part, its_form)
+
+
+def function_of_rest(
+    given: Callable[..., Any], forms: Sequence[Form], error_model: str
+) -> Callable[..., Any]:
+    """A function of the arrays and numbers that are left of the arguments of `given`.
+
+    Parameters
+    ----------
+    given
+        A Python function, or one that numba has compiled, whose options it has.
+    forms
+        What each of its arguments is.
+    error_model
+        Numba's, of a Python function.
+    """
+    written = as_function(given)
+    options = {"error_model": error_model} | getattr(given, "targetoptions", {})
+    options = {name: options[name] for name in ("error_model", "fastmath") if name in options}
+    called = given if hasattr(given, "py_func") else numba.njit(**options)(written)
+    made: dict[str, Any] = {"_given": called, "__name__": written.__module__}
+    names: list[str] = []
+    texts: list[str] = []
+    declared = inspect.signature(written).parameters
+    for name, form in zip(declared, forms, strict=False):
+        texts.append(_text(name, form, names, made, frozenset(declared)))
+    source = f"def {written.__name__}({', '.join(names)}): return _given({', '.join(texts)})"
+    tree = ast.increment_lineno(ast.parse(source), written.__code__.co_firstlineno - 1)
+    exec(compile(tree, written.__code__.co_filename, "exec"), made)
+    made[written.__name__].__doc__ = written.__doc__
+    function: Callable[..., Any] = numba.njit(**options)(made[written.__name__])
+    return function
+
+
+def _text(
+    name: str, form: Form, names: list[str], made: dict[str, Any], declared: frozenset[str]
+) -> str:
+    """An argument as it is passed on; what it consists of is added to the names."""
+    if isinstance(form, Constant):
+        return repr(form.value)
+    if form is None:
+        names.append(name)
+        return name
+    parts: list[str] = []
+    for number, part in enumerate(form.forms):
+        its_name = f"{name}_{number}"
+        while its_name in declared or its_name in names:
+            its_name += "_"
+        parts.append(_text(its_name, part, names, made, declared))
+    if form.kind is tuple:
+        return f"({', '.join(parts)},)" if parts else "()"
+    made[f"_{name}"] = form.kind
+    return f"_{name}({', '.join(parts)})"
