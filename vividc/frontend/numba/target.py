@@ -37,6 +37,7 @@ from numba.core.target_extension import (
 )
 from numba.np import arrayobj, npyimpl
 from numba.np.ufunc.dufunc import DUFunc
+from numba.stencils.stencil import StencilFunc
 
 import vividc.frontend.numba.library.linalg
 import vividc.frontend.numba.library.solve
@@ -55,6 +56,7 @@ from vividc.frontend.numba.division import division
 from vividc.frontend.numba.expressions.assign import assigned_in_place
 from vividc.frontend.numba.expressions.inplace import TARGET_NAME
 from vividc.frontend.numba.expressions.loops import copied
+from vividc.frontend.numba.expressions.stencils import OwnStencil, own_stencil
 from vividc.frontend.numba.expressions.views import followed_views
 from vividc.frontend.numba.integer import integer_loops, integer_operator
 from vividc.frontend.numba.library.math import complex_power, float_loops
@@ -178,6 +180,10 @@ class _TypingContext(TimedTyping):
             val = _own_dispatcher(val, val.py_func, fixed, val.locals)
         elif isinstance(val, DUFunc):
             return vectorized_type(val)
+        elif isinstance(val, StencilFunc) and not isinstance(val, OwnStencil):
+            model = model_of(val)
+            target = _Dispatcher.targetdescr.target_context
+            val = own_stencil(val, self, target, _flags(model), model)
         return super().resolve_value_type(val)
 
 

@@ -19,6 +19,7 @@ from numba.core.typing import npydecl, signature
 from numba.core.typing.templates import AbstractTemplate
 from numba.np import numpy_support
 from numba.np.ufunc.dufunc import DUFunc
+from numba.stencils.stencil import StencilFunc
 
 
 @functools.lru_cache(maxsize=256)
@@ -63,17 +64,19 @@ def call_on_numbers(context: Any, builder: Any, sig: Any, args: Any, function: D
 
 
 def as_function(given: Any) -> Any:
-    """What a kernel is made of: of a function of `numba.vectorize` a call on whole arrays or
-    numbers, of one that numba has compiled the function as written, anything else as it is.
+    """What a kernel is made of: of a function of `numba.vectorize` or `numba.stencil` a call on
+    whole arrays or numbers, of one that numba has compiled the function as written, anything else
+    as it is.
     """
-    if not isinstance(given, DUFunc):
+    if not isinstance(given, DUFunc | StencilFunc):
         return getattr(given, "py_func", given)
     return _calling(given)
 
 
 @functools.lru_cache(maxsize=256)
-def _calling(function: DUFunc) -> Callable[..., Any]:
-    written = function._dispatcher.py_func
+def _calling(function: DUFunc | StencilFunc) -> Callable[..., Any]:
+    is_stencil = isinstance(function, StencilFunc)
+    written = function.kernel_ir.func_id.func if is_stencil else function._dispatcher.py_func
     names = ", ".join(inspect.signature(written).parameters)
     tree = ast.parse(f"def {written.__name__}({names}): return _vectorized({names})")
     ast.increment_lineno(tree, written.__code__.co_firstlineno - 1)

@@ -358,7 +358,6 @@ _KINDS = {
     "_lru_cache_wrapper": _PLAIN_FUNCTION,
     "": ("is not known here", "pass it as a parameter"),
     "GUFunc": ("is made by @numba.guvectorize", _ELEMENTWISE),
-    "StencilFunc": ("is made by @numba.stencil", "write the loop over the elements"),
     "JitClassType": ("is a class", "use scalars and arrays, one for each field"),
 }
 
