@@ -1,4 +1,4 @@
-"""Lists of fixed length are tuples: arrays made of them, and constants that are only read."""
+"""Lists of fixed length: tuples, where they are only read or made arrays of, or arrays."""
 
 from __future__ import annotations
 
@@ -61,7 +61,33 @@ def called(x, n):
     x[0] = helper(n, x[1])
 
 
-@pytest.mark.parametrize("function", [numbers, mixed, rows, named, weights, steps, called])
+@numba.njit
+def tangent(v):
+    made = [0.0, 0.0, 1.0]
+    if abs(v[0]) > abs(v[1]):
+        made[0] = -v[1]
+        made[-1] = v[0]
+    else:
+        made[1] = v[2] * 2
+    return np.asarray(made)
+
+
+def assigned(x, n):
+    counts = [0, 0, 0]
+    again = counts
+    for i in range(len(x)):
+        again[i % len(counts)] += i
+    counts[n - 1] = 7
+    before = np.array(counts)
+    counts[0] += 1
+    x[:3] = tangent(x[:3])
+    x[3:] = tangent(x[3:])
+    return before, np.array(counts)
+
+
+@pytest.mark.parametrize(
+    "function", [numbers, mixed, rows, named, weights, steps, called, assigned]
+)
 def test_lists_of_fixed_length(function: Callable[..., object]) -> None:
     kernel = vividc.kernel("(float32[::1], int32)")(function)
     with warnings.catch_warnings():
@@ -77,10 +103,17 @@ def test_lists_of_fixed_length(function: Callable[..., object]) -> None:
             assert np.array_equal(one, other)
 
 
-def written(x, n):
+def cut(x, n):
     items = [1, 2, 3]
     items[n] = 4
-    x[0] = items[1]
+    x[0] = items[1:][0]
+
+
+def not_copied(x, n):
+    items = [1, 2, 3]
+    made = np.asarray(items)
+    items[n] = 4
+    x[0] = made[1]
 
 
 def grown(x, n):
@@ -99,7 +132,7 @@ def passed_on(x, n):
     x[0] = np.array(items)[0] + sum(items)
 
 
-@pytest.mark.parametrize("function", [written, grown, two_types, passed_on])
+@pytest.mark.parametrize("function", [cut, not_copied, grown, two_types, passed_on])
 def test_lists_that_are_more_than_read_stay_lists(function: Callable[..., object]) -> None:
     with pytest.raises(KernelError, match=r"a list cannot run|heap") as caught:
         vividc.kernel("(float32[::1], int32)")(function).lower()

@@ -1,8 +1,10 @@
-"""Lists of fixed length: `np.array([a, b])` and `for w in [1, 2, 4]`, whose lists become tuples.
+"""Lists of fixed length: `np.array([a, b])` and `for w in [1, 2, 4]`, whose lists become tuples,
+and `v = [0.0, 0.0]` with elements that are assigned to, which become arrays.
 
 A list lies on numba's heap, which the array has not. One that is written out as the argument of
 `np.array`, or whose elements are constants of one type and that is only read, is no different from
-the tuple of its elements: numba unifies both to one type. Others stay lists.
+the tuple of its elements: numba unifies both to one type. One of constants whose elements are read
+and written, and which is copied to arrays, is no different from an array. Others stay lists.
 """
 
 from __future__ import annotations
@@ -14,8 +16,9 @@ from contextvars import ContextVar
 from typing import Any, Final
 
 import numpy as np
-from numba.core import ir, rewrites
-from numba.core.ir_utils import find_callname, find_const, guard
+from numba.core import ir, rewrites, types
+from numba.core.ir_utils import find_callname, find_const, get_definition, guard
+from numba.extending import overload
 
 _ARRAYS: Final = {("array", "numpy"), ("asarray", "numpy")}
 _READERS: Final = {("len", "builtins"), ("enumerate", "builtins"), ("reversed", "builtins")}
@@ -42,18 +45,35 @@ class _Tuples(rewrites.Rewrite):  # type: ignore[misc]
         self._block = block
         made = {s.target.name: s.value for s in block.body if _is_list(s)} if _ours.get() else {}
         self._found = _fixed(func_ir, made) if made else set()
-        return bool(self._found)
+        self._arrays = {
+            name
+            for name in made.keys() - self._found
+            if _are_alike(func_ir, made[name]) and _is_array(func_ir, name)
+        }
+        return bool(self._found | self._arrays)
 
     def apply(self) -> Any:
-        """The block with tuples."""
+        """The block with tuples and arrays."""
         changed = self._block.copy()
-        changed.body = [
-            ir.Assign(ir.Expr.build_tuple(s.value.items, s.value.loc), s.target, s.loc)
-            if _is_list(s) and s.target.name in self._found
-            else s
-            for s in self._block.body
-        ]
+        changed.body = []
+        for s in self._block.body:
+            if _is_list(s) and s.target.name in self._found | self._arrays:
+                made = ir.Expr.build_tuple(s.value.items, s.value.loc)
+                if s.target.name in self._arrays:
+                    made = self._array_of(made, changed)
+                changed.body.append(ir.Assign(made, s.target, s.loc))
+            else:
+                changed.body.append(s)
         return changed
+
+    def _array_of(self, tuple_: Any, block: Any) -> Any:
+        """A call of `np.array`; what it is made of is added to the block."""
+        items = block.scope.redefine("$items", tuple_.loc)
+        function = block.scope.redefine("$array", tuple_.loc)
+        block.append(ir.Assign(tuple_, items, tuple_.loc))
+        numpys = ir.Global("array", np.array, tuple_.loc)
+        block.append(ir.Assign(numpys, function, tuple_.loc))
+        return ir.Expr.call(function, [items], (), tuple_.loc)
 
 
 def _is_list(statement: Any) -> bool:
@@ -142,3 +162,69 @@ def _are_alike(func_ir: Any, value: Any) -> bool:
     constants = [guard(find_const, func_ir, item) for item in value.items]
     kinds = {type(one) for one in constants}
     return len(kinds) == 1 and kinds <= {int, float, bool, np.float32, np.int32}
+
+
+def _copied(object: Any) -> Any:
+    return np.copy(object)
+
+
+@overload(np.array, target="vividc")
+def _overload_array(object: Any) -> Any:
+    """A copy of an array, which numba makes of lists and tuples only."""
+    return _copied if isinstance(object, types.Array) else None
+
+
+def _is_array(func_ir: Any, name: str) -> bool:
+    """Whether an array in place of a list is no different: its elements are read and assigned to,
+    or copied to an array, or it is returned as one.
+    """
+    names = {name}
+    while True:
+        again = {
+            s.target.name
+            for block in func_ir.blocks.values()
+            for s in block.body
+            if isinstance(s, ir.Assign) and isinstance(s.value, ir.Var) and s.value.name in names
+        }
+        if again <= names:
+            break
+        names |= again
+    if not all(_is_single(func_ir, one) for one in names):
+        return False
+    return all(
+        _keeps_array(func_ir, block, at, names)
+        for block in func_ir.blocks.values()
+        for at in range(len(block.body))
+        if names.intersection(_read(block.body[at]))
+    )
+
+
+def _keeps_array(func_ir: Any, block: Any, at: int, names: set[str]) -> bool:
+    """Whether a statement with the list does the same with an array."""
+    statement = block.body[at]
+    used = getattr(statement, "value", None)
+    if _is_set(statement):
+        return statement.target.name in names and used.name not in names
+    if not isinstance(statement, ir.Assign) or not isinstance(used, ir.Expr):
+        return isinstance(statement, ir.Assign)
+    if used.op in ("getitem", "static_getitem"):
+        return used.value.name in names and not _is_slice(func_ir, used)
+    called = guard(find_callname, func_ir, used) if used.op == "call" else None
+    if called == ("asarray", "numpy"):  # no copy
+        behind = block.body[at + 1 :]
+        if not isinstance(behind[-1], ir.Return) or any(map(_is_set, behind)):
+            return False
+    is_copied = called in _ARRAYS or called == ("len", "builtins")
+    return is_copied and len(used.args) == 1 and not used.kws
+
+
+def _is_set(statement: Any) -> bool:
+    return isinstance(statement, ir.SetItem | ir.StaticSetItem)
+
+
+def _is_slice(func_ir: Any, item: Any) -> bool:
+    index = item.index if item.op == "getitem" else item.index_var
+    made = guard(get_definition, func_ir, index) if index is not None else None
+    if isinstance(made, ir.Expr) and made.op == "call":
+        return bool(guard(find_callname, func_ir, made) == ("slice", "builtins"))
+    return isinstance(getattr(item, "index", None), slice)
