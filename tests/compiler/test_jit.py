@@ -88,6 +88,14 @@ def test_tuples_none_and_strings_are_arguments(rest: tuple[object, ...]) -> None
     assert jitted.kernel((x, mine), box, *rest).line == clipped.__code__.co_firstlineno
 
 
+def test_signatures_of_a_function_that_takes_tuples_are_not_its_kernels() -> None:
+    @numba.njit("float64(UniTuple(float64, 2), float64)")
+    def scaled(by, x):
+        return by[0] * x + by[1]
+
+    assert vividc.jit(scaled, **QUICK)((2.0, 1.0), 3.0) == scaled((2.0, 1.0), 3.0) == 7
+
+
 def test_a_program_is_of_its_constants() -> None:
     jitted = vividc.jit(clipped, **QUICK)
     for mode in ("both", "low", "both"):

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 import vividc
+from tests.fuzz.witnesses import run_regions
+from vividc.compiler.driver import lower
 from vividc.errors import VividcError
 from vividc.ssa.interpret import interpret
 
@@ -100,3 +102,37 @@ def test_places_along_an_axis_are_numpys() -> None:
     largest(a, numpys)
     interpreted(largest, "int32", a, b)
     np.testing.assert_array_equal(b, numpys)
+
+
+def crossed(a, b, m, n, x):
+    x[0] = np.cross(a, b)
+    x[1] = np.cross([0.0, 0.0, 1.0], a)
+    x[2] = np.cross(a[:2], b) + np.cross(b, a[1:])
+    x[3] = np.cross((1, 2, 3), b)
+    x[4:8] = np.cross(m, n) + np.cross(m, a) + np.cross(b, n) + np.cross(m[:1], n)
+    x[8:] = np.cross(m[:, :2], n)
+
+
+@pytest.mark.filterwarnings("ignore::vividc.VividcWarning")
+def test_cross_products_are_numbas() -> None:
+    signature = "(float32[::1], float32[::1], float32[:, ::1], float32[:, ::1], float32[:, ::1])"
+    kernel = vividc.kernel(signature)(crossed)
+    rng = np.random.default_rng(5)
+    shapes = (3, 3, (4, 3), (4, 3), (12, 3))
+    mine = [rng.random(shape).astype(np.float32) for shape in shapes]
+    theirs = [array.copy() for array in mine]
+    kernel(*theirs)
+    run_regions(lower(kernel), [*mine])
+    np.testing.assert_allclose(mine[-1], theirs[-1], rtol=1e-5, atol=1e-6)
+
+
+def crossed_vectors(a, b):
+    return np.cross(a, b)
+
+
+@pytest.mark.parametrize(("length", "text"), [(4, "Incompatible dimensions"), (2, "cross2d")])
+def test_vectors_without_a_cross_product_raise(length: int, text: str) -> None:
+    jitted = vividc.jit(crossed_vectors, effort="fast")
+    vector = np.ones(length, np.float32)
+    with pytest.raises(VividcError, match=text):
+        jitted(vector, vector)

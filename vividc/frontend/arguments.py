@@ -73,7 +73,8 @@ def function_of_rest(
     written = as_function(given)
     options = {"error_model": error_model} | getattr(given, "targetoptions", {})
     options = {name: options[name] for name in ("error_model", "fastmath") if name in options}
-    called = given if hasattr(given, "py_func") else numba.njit(**options)(written)
+    is_open = getattr(given, "_can_compile", False)  # numba's, without signatures of its own
+    called = given if is_open else numba.njit(**options)(written)
     made: dict[str, Any] = {"_given": called, "__name__": written.__module__}
     names: list[str] = []
     texts: list[str] = []

@@ -9,8 +9,9 @@ and written, and which is copied to arrays, is no different from an array. Other
 
 from __future__ import annotations
 
+import functools
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any, Final
@@ -20,6 +21,7 @@ from numba.core import ir, rewrites, types
 from numba.core.ir_utils import find_callname, find_const, get_definition, guard
 from numba.extending import overload
 
+_overload: Callable[..., Callable[..., Any]] = functools.partial(overload, target="vividc")
 _ARRAYS: Final = {("array", "numpy"), ("asarray", "numpy")}
 _READERS: Final = {("len", "builtins"), ("enumerate", "builtins"), ("reversed", "builtins")}
 _READS: Final = frozenset({"getiter", "getitem", "static_getitem"})
@@ -149,6 +151,8 @@ def _is_read(func_ir: Any, name: str, used: Any, found: set[str], *, alike: bool
         )
     if used.op == "call":
         called = guard(find_callname, func_ir, used)
+        if called == ("cross", "numpy") and not used.kws:
+            return True
         is_first = bool(used.args) and used.args[0].name == name
         rest = [*used.args[1:], *(var for _, var in used.kws)]
         if not is_first or any(var.name == name for var in rest):
@@ -168,7 +172,7 @@ def _copied(object: Any) -> Any:
     return np.copy(object)
 
 
-@overload(np.array, target="vividc")
+@_overload(np.array)
 def _overload_array(object: Any) -> Any:
     """A copy of an array, which numba makes of lists and tuples only."""
     return _copied if isinstance(object, types.Array) else None
@@ -204,7 +208,7 @@ def _keeps_array(func_ir: Any, block: Any, at: int, names: set[str]) -> bool:
     statement = block.body[at]
     used = getattr(statement, "value", None)
     if _is_set(statement):
-        return statement.target.name in names and used.name not in names
+        return statement.target.name in names and getattr(used, "name", None) not in names
     if not isinstance(statement, ir.Assign) or not isinstance(used, ir.Expr):
         return isinstance(statement, ir.Assign)
     if used.op in ("getitem", "static_getitem"):

@@ -183,8 +183,9 @@ class LaunchSizes:
             operand, sign = op.operands[0], "u:" if op.op == "zext" else "s:"
         elif not isinstance(operand, Input) or self._params[operand.key] != "i64":
             return None
-        is_word = isinstance(operand, Input) and self._params[operand.key] in ("i32", "i64")
-        return (f"{sign}{operand.key}", -1, "*") if is_word else None
+        if not isinstance(operand, Input) or self._params[operand.key] not in ("i32", "i64"):
+            return None
+        return (f"{sign}{operand.key}", -1, "*")
 
     def _negative_of(self, op: Instr, block: str, depth: int) -> Formula | None:
         """Minus a sum, a difference or a choice."""

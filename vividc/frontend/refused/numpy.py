@@ -60,7 +60,7 @@ _SOMETIMES = {
     **dict.fromkeys(("argmax", "argmin", "max", "min", "amax", "amin"), _ALONG),
     **dict.fromkeys(("mean", "prod", "any", "all", "cumsum", "cumprod"), _ALONG),
     "rot90": _AXES,
-    "cross": "write out its three elements: `a[1] * b[2] - a[2] * b[1]` is the first",
+    "cross": "of vectors and matrices it runs: take the parts of the arrays in a loop",
     "resize": _ROOM + "`y[i] = x[i % len(x)]`",
     "indices": "the loops over the elements have them",
     "where": _SIZE,

@@ -17,6 +17,7 @@ from numba.stencils.stencil import StencilFunc
 from vividc.lang.formats import MISUSE
 
 _overload: Callable[..., Callable[..., Any]] = functools.partial(overload, target="vividc")
+_helper: Callable[[Callable[..., Any]], Callable[..., Any]] = register_jitable
 
 
 class OwnStencil(StencilFunc):  # type: ignore[misc]
@@ -54,7 +55,7 @@ def _written_for(flags: Any) -> Iterator[None]:
         stencil.raise_if_incompatible_array_sizes = check_before
 
 
-@register_jitable
+@_helper
 def _demand_sizes(a: Any, *args: Any) -> None:
     """As numba's check of further arrays, without a loop over arrays of different types."""
     _demand_each(a, args)

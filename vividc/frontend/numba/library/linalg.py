@@ -1,5 +1,5 @@
-"""`np.dot`, `@`, `np.vdot` and `np.outer` as loops: numba hands the former to BLAS, which the array
-has not, and makes the latter from reshaped arrays, whose sizes are known too late.
+"""`np.dot`, `@`, `np.vdot`, `np.outer` and `np.cross` as loops: numba hands the former to BLAS,
+which the array has not, and makes the latter from other arrays, whose sizes are known too late.
 
 For the host our products stand in where numba's cannot work, without scipy.
 """
@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 from numba.core import types
-from numba.extending import overload
+from numba.extending import overload, register_jitable
 from numba.np.arraymath import check_axis_bounds
 from numba.np.numpy_support import as_dtype
 
@@ -22,6 +22,7 @@ _TARGET = "vividc" if importlib.util.find_spec("scipy") is not None else "cpu"
 _Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 overload_without_scipy: Callable[..., _Decorator] = functools.partial(overload, target=_TARGET)
 _overload_here: Callable[..., _Decorator] = functools.partial(overload, target="vividc")
+_helper: _Decorator = register_jitable
 _SIZES = "incompatible array sizes for a product"
 
 
@@ -181,6 +182,80 @@ def _overload_outer_into(a: Any, b: Any, out: Any) -> Any:
 
 def _are_vectors(a: Any, b: Any) -> bool:
     return all(isinstance(x, types.Array) and x.ndim == 1 for x in (a, b))
+
+
+@_overload_here(np.cross)
+def _overload_cross(a: Any, b: Any) -> Any:
+    """Of vectors and of matrices of them, row by row; None: of more dimensions."""
+    kinds = [getattr(x, "dtype", None) for x in (a, b)]
+    dims = [x.ndim if isinstance(x, types.Array) else 1 for x in (a, b)]
+    if not all(isinstance(kind, types.Number) for kind in kinds) or max(dims) > _MATRIX:
+        return None
+    dtype = np.promote_types(*(as_dtype(kind) for kind in kinds))
+
+    def of_vectors(a: Any, b: Any) -> Any:
+        out = np.empty(3, dtype)
+        _cross_into(np.asarray(a), np.asarray(b), out)
+        return out
+
+    def of_rows(a: Any, b: Any) -> Any:
+        one, other = np.asarray(a), np.asarray(b)
+        m, n = _rows_of(one), _rows_of(other)
+        if m not in (n, 1) and n != 1:
+            raise ValueError("unable to broadcast argument")
+        out = np.empty((m if n == 1 else n, 3), dtype)
+        for i in range(out.shape[0]):
+            _cross_into(_row(one, i if m > 1 else 0), _row(other, i if n > 1 else 0), out[i])
+        return out
+
+    return of_vectors if max(dims) == 1 else of_rows
+
+
+_MATRIX = 2
+
+
+@_helper
+def _cross_into(a: Any, b: Any, out: Any) -> None:
+    """The product of two vectors; of one of two elements the third is 0."""
+    if not (2 <= a.shape[0] <= 3 and 2 <= b.shape[0] <= 3):  # noqa: PLR2004
+        raise ValueError("Incompatible dimensions for cross product (dimension must be 2 or 3)")
+    if a.shape[0] == 2 and b.shape[0] == 2:  # noqa: PLR2004
+        raise ValueError("Dimensions for both inputs is 2: use cross2d of numba.np.extensions")
+    a2 = a[2] if a.shape[0] > 2 else a[0] * a.dtype.type(0)  # noqa: PLR2004
+    b2 = b[2] if b.shape[0] > 2 else b[0] * b.dtype.type(0)  # noqa: PLR2004
+    out[0] = a[1] * b2 - a2 * b[1]
+    out[1] = a2 * b[0] - a[0] * b2
+    out[2] = a[0] * b[1] - a[1] * b[0]
+
+
+def _rows_of(x: Any) -> Any:
+    """How many vectors a matrix, or a vector, has."""
+
+
+@_overload_here(_rows_of)
+def _overload_rows_of(x: Any) -> Any:
+    def of_matrix(x: Any) -> Any:
+        return x.shape[0]
+
+    def of_vector(x: Any) -> Any:
+        return 1
+
+    return of_matrix if x.ndim == _MATRIX else of_vector
+
+
+def _row(x: Any, i: Any) -> Any:
+    """A vector of a matrix, or the vector itself."""
+
+
+@_overload_here(_row)
+def _overload_row(x: Any, i: Any) -> Any:
+    def of_matrix(x: Any, i: Any) -> Any:
+        return x[i]
+
+    def of_vector(x: Any, i: Any) -> Any:
+        return x
+
+    return of_matrix if x.ndim == _MATRIX else of_vector
 
 
 @_overload_here(check_axis_bounds)
