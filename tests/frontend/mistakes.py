@@ -52,7 +52,7 @@ def set_display(x, n):
 
 @mistake("a list", "np.zeros")
 def list_display(x, n):
-    values = [1.0, 2.0]  # here
+    values = [1.0, x[2]]  # here
     values[0] = x[1]
     x[0] = values[n]
 

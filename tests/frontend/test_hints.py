@@ -206,12 +206,6 @@ def along_rows(x, y, out):
         out[i + 2] = m[i].argmin()
 
 
-@instead("cross", lambda x, y: np.cross(x[:3], y[:3])[:1])
-def first_of_the_cross_product(x, y, out):
-    a, b = x[:3], y[:3]
-    out[0] = a[1] * b[2] - a[2] * b[1]
-
-
 @instead("resize tile", lambda x, _: np.resize(x, 13))
 def repeated(x, _, y):
     for i in range(13):

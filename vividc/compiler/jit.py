@@ -235,7 +235,7 @@ def jit(
 
     def decorate(function: Callable[..., Any]) -> JitFunction:
         if not inspect.isfunction(as_function(function)):
-            hint = "decorate a Python function"
+            hint = "decorate a Python function, or one of numba.njit, vectorize or stencil"
             raise KernelError(f"a kernel cannot be made of {quoted(function)}", hint=hint)
         return JitFunction(function, fabric, options, error_model)
 
