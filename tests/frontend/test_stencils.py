@@ -60,6 +60,28 @@ def test_stencils_in_kernels_are_numbas(function: Callable[..., object]) -> None
     assert found is None or np.allclose(found, expected)
 
 
+@numba.stencil
+def halved(a):
+    return 0.5 * a[1, 0]
+
+
+@numba.njit
+def written_in_another_type(x, y):
+    y = halved(x, out=y)
+    return y + halved(y)
+
+
+@pytest.mark.filterwarnings("ignore::vividc.VividcWarning")
+def test_an_out_has_a_type_of_its_own() -> None:
+    """Numba has no such call where both differ: its own is that of float64."""
+    x = np.random.default_rng(5).random((5, 6)).astype(np.float32)
+    y, wide = np.zeros((5, 6), np.float32), np.zeros((5, 6))
+    expected = written_in_another_type(x.astype(np.float64), wide)
+    found = vividc.jit(written_in_another_type, effort="fast")(x, y)
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
+    np.testing.assert_allclose(y, wide, rtol=1e-6)
+
+
 def test_a_stencil_is_a_kernel() -> None:
     x = np.random.default_rng(4).random((5, 6)).astype(np.float32)
     jitted = vividc.jit(smoothed, effort="fast")

@@ -29,11 +29,12 @@ class OwnStencil(StencilFunc):  # type: ignore[misc]
         self._install_type(typing)
 
     def _type_me(self, argtys: tuple[Any, ...], kwtys: Any) -> Any:
-        """The types of a call, as numba's."""
+        """The types of a call: numba's, but what is returned has the type of `out`, if given."""
         if not argtys or not isinstance(argtys[0], types.Array):
             hint = "pass the array whose elements it is computed of"
             raise errors.NumbaValueError(f"{MISUSE}a stencil of what is no array: {hint}")
-        return super()._type_me(argtys, kwtys)
+        found = super()._type_me(argtys, kwtys)
+        return found.replace(return_type=kwtys["out"]) if "out" in kwtys else found
 
     def compile_for_argtys(
         self, argtys: tuple[Any, ...], kwtys: Any, return_type: Any, sigret: Any
