@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numba
 import numpy as np
 import pytest
 
@@ -124,6 +125,24 @@ def test_cross_products_are_numbas() -> None:
     kernel(*theirs)
     run_regions(lower(kernel), [*mine])
     np.testing.assert_allclose(mine[-1], theirs[-1], rtol=1e-5, atol=1e-6)
+
+
+@numba.njit
+def of_two_types(a, m, x):
+    wide = np.array([0.5, 0.25, 2.0])
+    x[0] = a @ wide + wide @ a
+    x[1:] = m @ wide + np.dot(wide, m) + (np.cross([0, 0, 1], a) @ m) @ a
+
+
+@pytest.mark.filterwarnings("ignore::vividc.VividcWarning")
+def test_products_of_float32_and_float64_are_those_of_float64() -> None:
+    """Numba has no such product: its own are those of float64 arguments."""
+    rng = np.random.default_rng(6)
+    mine = [rng.random(shape).astype(np.float32) for shape in (3, (3, 3), 4)]
+    theirs = [array.astype(np.float64) for array in mine]
+    of_two_types(*theirs)
+    vividc.jit(of_two_types, effort="fast")(*mine)
+    np.testing.assert_allclose(mine[-1], theirs[-1], rtol=1e-5)
 
 
 def crossed_vectors(a, b):

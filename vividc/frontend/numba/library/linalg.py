@@ -27,10 +27,13 @@ _SIZES = "incompatible array sizes for a product"
 
 
 def _product(a: Any, b: Any) -> Callable[..., Any] | None:
-    """The product of two arrays of floats or complex numbers; None: not one that numba has."""
+    """The product of two arrays of floats or of complex numbers, which numba has of one type only;
+    None: it is none.
+    """
     if not isinstance(a, types.Array) or not isinstance(b, types.Array):
         return None
-    if a.dtype != b.dtype or not isinstance(a.dtype, types.Float | types.Complex):
+    kinds = {type(a.dtype), type(b.dtype)}
+    if kinds not in ({types.Float}, {types.Complex}):
         return None
     return {(1, 1): _inner, (2, 1): _matrix_vector, (1, 2): _vector_matrix, (2, 2): _matrices}.get(
         (a.ndim, b.ndim)
