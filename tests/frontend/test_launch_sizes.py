@@ -91,6 +91,21 @@ def test_slices_of_different_sizes_end_the_simulation(expression: Program) -> No
     assert not y.any()
 
 
+def test_what_may_be_raised_takes_one_address() -> None:
+    """Of as many exceptions as there are, in as few entries of constant stores."""
+
+    @vividc.kernel("void(float32[::1], float32[::1], float32[:, ::1])")
+    def three(x, y, z):
+        y[:] = x[1:] + x[:-1]
+        z[:, :] = z[::-1] + x
+        y[0] = x[2:].max()
+
+    program = vividc.compile(three)
+    raised = {name for name in program.stored_arrays if name.startswith("raise.")}
+    assert len(raised) > 2
+    assert {row.key for row in program.launch if "raise" in row.key} == {"&raise."}
+
+
 def test_the_largest_of_nothing_ends_the_simulation() -> None:
     program = compiled(best, "void(float32[::1], float32[::1])")
     y = np.zeros(1, np.float32)

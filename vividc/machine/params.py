@@ -33,7 +33,14 @@ MAX_ELEMENTS = 1 << 29
 
 
 TRAP = "raise."
-"""Starts the name of an array that stands for an exception."""
+"""Starts the name of an array that stands for an exception; by itself, the name of the array at
+whose address they all are.
+"""
+
+
+def base_of(array: str) -> str:
+    """The key of an array's address."""
+    return f"&{TRAP}" if array.startswith(TRAP) else f"&{array}"
 
 
 HIGH_SUFFIX = ".high"

@@ -23,7 +23,7 @@ from vividc.frontend.memory.places import placed
 from vividc.frontend.memory.tables import PACKED_BYTES, Table, packed_words_of, tables_of, words_of
 from vividc.frontend.ranges.launch_sizes import LaunchSizes
 from vividc.lang.numba_words import plain
-from vividc.machine.params import Formula, LocalArray
+from vividc.machine.params import Formula, LocalArray, base_of
 from vividc.ssa.edit import FreshIds, map_values, read_values
 from vividc.ssa.flow import flow_of
 from vividc.ssa.ir import Float, Function, Global, Input, Instr, Int, Named, Ref, Value
@@ -352,7 +352,8 @@ def _from_word(held: OwnArray) -> str:
 
 
 def keep_accessed(function: Function) -> Function:
-    """The function with those of its own arrays that it accesses."""
-    accessed = {instr.array for block in function.blocks for instr in block.instrs}
-    own = tuple(local for local in function.locals if local.name in accessed)
-    return replace(function, locals=own)
+    """The function with those of its own arrays that it accesses, or whose addresses those have."""
+    accessed = {instr.array for block in function.blocks for instr in block.instrs if instr.array}
+    bases = set(map(base_of, accessed))
+    own = (one for one in function.locals if one.name in accessed or f"&{one.name}" in bases)
+    return replace(function, locals=tuple(own))

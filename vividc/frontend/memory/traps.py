@@ -1,7 +1,8 @@
 """Exceptions that numba's own functions raise: accesses that the simulator reports.
 
 The array has no exceptions. Where `max` of an empty array or slices of different sizes would raise,
-the kernel stores to an array of no words, whose name says what happened: no witness runs on. A
+the kernel stores to an array of no words, whose name says what happened: no witness runs on. All
+such arrays have one address, which takes an entry of a constant store (`params.base_of`). A
 division by zero that raises goes on behind the store, so that its loop keeps one way out. What a
 user raises is `user_raises`'.
 """
@@ -42,6 +43,7 @@ def trap_raises(function: Function) -> tuple[Function, dict[str, OwnArray]]:
     for block in function.blocks:
         names = {op.pred: _name(op.pred) for op in block.instrs if _is_trap(op)}
         held |= {name: OwnArray(LocalArray(name, 0), "i32") for name in names.values()}
+        held |= {TRAP: OwnArray(LocalArray(TRAP, 0), "i32")} if names else {}
         ops = tuple(_store(op, names[op.pred]) if _is_trap(op) else op for op in block.instrs)
         leave = Branch(value=_NOTHING.get(function.result, Int(0)), loc=block.branch.loc)
         leaves = any(_is_raise(op) for op in block.instrs)

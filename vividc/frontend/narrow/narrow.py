@@ -45,7 +45,7 @@ from vividc.frontend.ranges.known import ranges_of
 from vividc.frontend.ranges.ranges import Ranges
 from vividc.host import time_limit
 from vividc.machine.opcodes import Opcode, Type
-from vividc.machine.params import WIDE_DTYPES, DType
+from vividc.machine.params import WIDE_DTYPES, DType, base_of
 from vividc.ssa.ir import Block, Branch, Function, Input, Instr, Phi, Value
 
 
@@ -193,7 +193,7 @@ def _memory(emitter: Emitter, op: Instr, opcode: Opcode, operands: tuple[Value, 
         emitter.id_of(op),
         opcode,
         word_type(op.type) if opcode is Opcode.LOAD else Type.NONE,
-        (Input(f"&{op.array}"), *(emitter.value(operand) for operand in operands)),
+        (Input(base_of(op.array)), *(emitter.value(operand) for operand in operands)),
         array=op.array,
         shift=op.shift,
         offset=op.offset,
