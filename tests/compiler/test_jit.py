@@ -117,7 +117,7 @@ def test_it_runs_on_an_accelerator() -> None:
 @pytest.mark.parametrize(
     ("args", "text"),
     [
-        ((2.0, "x", np.ones(3, np.float32)), "a \\* x"),
+        ((2.0, "x", np.ones(3, np.float32)), "cannot be an argument of saxpy"),
         ((2.0, {}, np.ones(3, np.float32)), "cannot be an argument of saxpy"),
         ((2.0, ([1.0],), np.ones(3, np.float32)), "x_0, .* cannot be an argument of saxpy"),
         ((2.0, [1.0], np.ones(3, np.float32)), "cannot be an argument of saxpy"),

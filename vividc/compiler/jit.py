@@ -18,7 +18,7 @@ from vividc.arch import Accelerator, Fabric
 from vividc.compiler.driver import compile
 from vividc.errors import ArgumentError, KernelError, SourceLoc, demand_type, quoted
 from vividc.frontend import KernelFunction
-from vividc.frontend.arguments import form_of, function_of_rest, left_of
+from vividc.frontend.arguments import Form, form_of, function_of_rest, left_of
 from vividc.frontend.kernel import kernel
 from vividc.frontend.numba.vectorized import as_function
 from vividc.gemm.kernels.simulate import simulate
@@ -103,7 +103,7 @@ class JitFunction:
         given = self._bound(args, kwargs)
         key = self._types_of(given)
         if key not in self._kernels:
-            forms = tuple(map(form_of, given))
+            forms = self._forms(given)
             function, signature = self._given, key
             if any(forms):
                 function = function_of_rest(function, forms, self._error_model)
@@ -138,7 +138,7 @@ class JitFunction:
         """Types of the arrays and numbers of the arguments and, where there is more than these,
         what each argument is.
         """
-        forms = tuple(map(form_of, given))
+        forms = self._forms(given)
         types_ = tuple(self._type_of(name, value) for name, value in self._left(given))
         return (*types_, *forms) if any(forms) else types_
 
@@ -146,8 +146,18 @@ class JitFunction:
         """The arrays and numbers of the arguments, by name."""
         names = inspect.signature(self.py_func).parameters
         rest = (f"argument {place}" for place in range(len(names) + 1, len(given) + 1))
-        for name, value in zip((*names, *rest), given, strict=False):
-            yield from left_of(name, value, form_of(value))
+        for name, value, form in zip((*names, *rest), given, self._forms(given), strict=False):
+            yield from left_of(name, value, form)
+
+    def _forms(self, given: tuple[object, ...]) -> tuple[Form, ...]:
+        """What the arguments are; strings are for parameters that have one, or None, by default."""
+        defaults = [p.default for p in inspect.signature(self.py_func).parameters.values()]
+        may_be_text = [isinstance(default, str | None) for default in defaults]
+        may_be_text += [False] * len(given)
+        return tuple(
+            None if isinstance(value, str) and not may else form_of(value)
+            for value, may in zip(given, may_be_text, strict=False)
+        )
 
     def _type_of(self, name: str, value: object) -> Any:
         """Numba's type of an argument; of a Python float or complex number, which has no width,
