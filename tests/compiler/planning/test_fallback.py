@@ -11,7 +11,7 @@ import pytest
 
 import vividc
 from tests.compiler.planning.test_choose import MACHINE, plan, product
-from vividc.compiler import driver
+from vividc.compiler import driver, stage
 from vividc.compiler.planning.estimate import Estimate, Estimator, RegionCost, Shape
 from vividc.compiler.planning.fallback import Budget, Outcome, Race, settle
 from vividc.compiler.planning.plan import Plan, Stage
@@ -132,7 +132,7 @@ def test_a_transformed_loop_without_a_mapping_leaves_a_modulo_schedule(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The kernel as written still pipelines: it does not run block by block."""
-    real = driver.map_kernel
+    real = stage.map_kernel
 
     written = {loop.header for loop in find_loops(product.lower())}
 
@@ -141,7 +141,7 @@ def test_a_transformed_loop_without_a_mapping_leaves_a_modulo_schedule(
         made = tuple(header for header in headers if header not in written)
         return Unmapped(made, TimeLimit("no time")) if made else real(kernel, *rest, **options)
 
-    monkeypatch.setattr(driver, "map_kernel", fails_if_restructured)
+    monkeypatch.setattr(stage, "map_kernel", fails_if_restructured)
     program = driver.compile(product, MACHINE)
     assert [region.kind for region in program.regions].count("loop") == 1
     reasons = [item.reason for loop in program.loops for item in loop.transforms]
