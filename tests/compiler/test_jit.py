@@ -141,3 +141,34 @@ def test_mistakes_at_the_decorator() -> None:
         vividc.jit(effrot="fast")
     with pytest.raises(VividcError, match="fabric"):
         vividc.jit(fabric=3)  # type: ignore[call-overload]
+
+
+def test_names_of_parameters_are_not_those_of_what_passes_them_on() -> None:
+    """A named tuple that is called `given`, numbers that are called as parts and classes are."""
+
+    @vividc.jit
+    def shifted(x, given, _given, given_0, _given_):
+        x[0] = given.by + _given * given_0 + _given_[0]
+
+    @vividc.jit
+    def _given(x, move):
+        x[0] = move.by
+
+    for run in (shifted, shifted.reference):
+        x = np.zeros(1, np.int32)
+        run(x, Move(by=1), 20, 5, Move(by=3))
+        assert x[0] == 104
+    _given(x, Move(by=7))
+    assert x[0] == 7
+
+
+def test_a_vectorized_function_of_any_name_is_called() -> None:
+    @numba.vectorize
+    def _vectorized(_vectorized_):
+        return _vectorized_ + np.float32(1)
+
+    assert vividc.jit(_vectorized)(np.float32([1, 2])).tolist() == [2, 3]
+
+
+class Move(NamedTuple):
+    by: int

@@ -7,7 +7,6 @@ it: `def scaled(x, by_0, by_1): return _given(x, (by_0, by_1), None)`.
 
 from __future__ import annotations
 
-import ast
 import inspect
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ from typing import Any
 
 import numba
 
-from vividc.frontend.numba.vectorized import as_function
+from vividc.frontend.numba.vectorized import as_function, free_name, function_like
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,22 +74,21 @@ def function_of_rest(
     options = {name: options[name] for name in ("error_model", "fastmath") if name in options}
     is_open = getattr(given, "_can_compile", False)  # numba's, without signatures of its own
     called = given if is_open else numba.njit(**options)(written)
-    made: dict[str, Any] = {"_given": called, "__name__": written.__module__}
     names: list[str] = []
     texts: list[str] = []
     declared = inspect.signature(written).parameters
+    taken = frozenset((*declared, written.__name__))
+    own = free_name("_given", taken)
+    known: dict[str, Any] = {own: called}
     for name, form in zip(declared, forms, strict=False):
-        texts.append(_text(name, form, names, made, frozenset(declared)))
-    source = f"def {written.__name__}({', '.join(names)}): return _given({', '.join(texts)})"
-    tree = ast.increment_lineno(ast.parse(source), written.__code__.co_firstlineno - 1)
-    exec(compile(tree, written.__code__.co_filename, "exec"), made)
-    made[written.__name__].__doc__ = written.__doc__
-    function: Callable[..., Any] = numba.njit(**options)(made[written.__name__])
+        texts.append(_text(name, form, names, known, taken))
+    made = function_like(written, names, f"{own}({', '.join(texts)})", known)
+    function: Callable[..., Any] = numba.njit(**options)(made)
     return function
 
 
 def _text(
-    name: str, form: Form, names: list[str], made: dict[str, Any], declared: frozenset[str]
+    name: str, form: Form, names: list[str], known: dict[str, Any], taken: frozenset[str]
 ) -> str:
     """An argument as it is passed on; what it consists of is added to the names."""
     if isinstance(form, Constant):
@@ -100,11 +98,10 @@ def _text(
         return name
     parts: list[str] = []
     for number, part in enumerate(form.forms):
-        its_name = f"{name}_{number}"
-        while its_name in declared or its_name in names:
-            its_name += "_"
-        parts.append(_text(its_name, part, names, made, declared))
+        its_name = free_name(f"{name}_{number}", {*taken, *names, *known})
+        parts.append(_text(its_name, part, names, known, taken))
     if form.kind is tuple:
         return f"({', '.join(parts)},)" if parts else "()"
-    made[f"_{name}"] = form.kind
-    return f"_{name}({', '.join(parts)})"
+    kind = free_name(f"_{name}", {*taken, *names, *known})
+    known[kind] = form.kind
+    return f"{kind}({', '.join(parts)})"

@@ -10,7 +10,7 @@ from __future__ import annotations
 import ast
 import functools
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Container, Mapping, Sequence
 from typing import Any
 
 import numba
@@ -77,11 +77,28 @@ def as_function(given: Any) -> Any:
 def _calling(function: DUFunc | StencilFunc) -> Callable[..., Any]:
     is_stencil = isinstance(function, StencilFunc)
     written = function.kernel_ir.func_id.func if is_stencil else function._dispatcher.py_func
-    names = ", ".join(inspect.signature(written).parameters)
-    tree = ast.parse(f"def {written.__name__}({names}): return _vectorized({names})")
+    names = tuple(inspect.signature(written).parameters)
+    called = free_name("_vectorized", {*names, written.__name__})
+    return function_like(written, names, f"{called}({', '.join(names)})", {called: function})
+
+
+def function_like(
+    written: Callable[..., Any], names: Sequence[str], value: str, known: Mapping[str, Any]
+) -> Callable[..., Any]:
+    """A function with the name, place and docstring of `written`, of parameters of these names,
+    which returns the value of an expression of them and of what is `known`.
+    """
+    tree = ast.parse(f"def {written.__name__}({', '.join(names)}): return {value}")
     ast.increment_lineno(tree, written.__code__.co_firstlineno - 1)
-    made: dict[str, Any] = {"_vectorized": function, "__name__": written.__module__}
+    made: dict[str, Any] = {**known, "__name__": written.__module__}
     exec(compile(tree, written.__code__.co_filename, "exec"), made)
     found: Callable[..., Any] = made[written.__name__]
     found.__doc__ = written.__doc__
     return found
+
+
+def free_name(name: str, taken: Container[str]) -> str:
+    """A name that is none of `taken`."""
+    while name in taken:
+        name += "_"
+    return name
