@@ -7,11 +7,13 @@ import platform
 from collections.abc import Callable, Iterable, Iterator
 from importlib.metadata import version
 from pathlib import Path
+from typing import Final
 
 import click
 
 import vividc
 from benchmarks import (
+    EFFORT,
     PATIENCE,
     engines,
     formats,
@@ -47,6 +49,10 @@ def machine() -> Iterator[str]:
     yield f"- vividc {vividc.__version__}, {versions}"
 
 
+SEARCHED: Final = f"- mappings: `--effort {EFFORT}`"
+"""Of tables of cycles."""
+
+
 ENGINES = "engines"
 QUALITY = "quality"
 MAPPERS = "mappers"
@@ -64,6 +70,7 @@ START = "start"
 STAGES = "stages"
 STEERING = "steering"
 SPLATS = "splats"
+SEARCHED_FOR = (*TABLES, ENGINES, FRAMES, GRAPHICS, LARGE, PRECISION, SIMD)
 DEFAULT = (*TABLES, ENGINES, FRAMES, QUALITY, FORMATS, GEMM, SIMD, PRECISION)
 CHOICES = (
     *DEFAULT,
@@ -231,7 +238,8 @@ def _print_table(
     command = f"python -m benchmarks --table {table}"
     command += "" if table in PLACES else f" {on} --time-limit {time_limit:g}"
     made = f"`{command}` (`make bench`)" if table in DEFAULT else f"`{command}`"
-    lines = [f"# {title}", "", f"Made by {made}.", "", *machine(), ""]
+    lines = [f"# {title}", "", f"Made by {made}.", "", *machine()]
+    lines += [SEARCHED, ""] if table in SEARCHED_FOR else [""]
     notes = MODULES[table].NOTES if table in MODULES else kernels.NOTES
     lines += [*notes, ""]
     for fabric in PLACES.get(table, fabrics):
@@ -250,7 +258,8 @@ def _print_own(table: str, title: str, body: Iterable[str], output: Path | None)
     """A table that is made for fabrics of its own."""
     command = f"python -m benchmarks --table {table}"
     made = f"`{command}` (`make bench`)" if table in DEFAULT else f"`{command} --suites DIR`"
-    lines = [f"# {title}", "", f"Made by {made}.", "", *machine(), ""]
+    lines = [f"# {title}", "", f"Made by {made}.", "", *machine()]
+    lines += [SEARCHED, ""] if table in SEARCHED_FOR else [""]
     click.echo("\n".join(lines))
     for line in body:  # some take long
         lines.append(line)
@@ -279,7 +288,8 @@ def _print_polybench(wanted: polybench.Wanted, output: Path | None) -> None:
     if unknown:
         raise click.BadParameter(f"{', '.join(sorted(unknown))}: not of {', '.join(CASES)}")
     command = f"python -m benchmarks --table {POLYBENCH} -o benchmarks"
-    head = [f"# {polybench.TITLE}", "", f"Made by `{command}`.", "", *machine(), ""]
+    made = f"Made by `{command}`."
+    head = [f"# {polybench.TITLE}", "", made, "", *machine(), SEARCHED, ""]
     body: list[str] = []
     for body in polybench.sections(wanted, output):
         if output is not None:

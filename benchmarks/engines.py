@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 import vividc
-from benchmarks import general
+from benchmarks import EFFORT, general
 from benchmarks.workloads import WORKLOADS, Arguments, Workload
 from vividc.sim import Launch, NativeEngine, ReferenceEngine
 from vividc.sim.bind import bind
@@ -70,7 +70,9 @@ def workloads() -> Iterator[Workload]:
 def rows(fabric: str, time_limit_s: float) -> Iterator[str]:
     """The lines of the table."""
     for workload in workloads():
-        program = vividc.compile(workload.kernel(), fabric=fabric, time_limit_s=time_limit_s)
+        program = vividc.compile(
+            workload.kernel(), fabric=fabric, time_limit_s=time_limit_s, effort=EFFORT
+        )
         yield row(workload, program)
 
 

@@ -16,7 +16,7 @@ import click
 import numpy as np
 
 import vividc
-from benchmarks import PATIENCE
+from benchmarks import EFFORT, PATIENCE
 from benchmarks.npbench import largest_error
 from benchmarks.workloads import Arguments, Workload
 from vividc.launch import JobResult
@@ -331,7 +331,7 @@ def rows(accelerator: str) -> Iterator[str]:
 def _row(picture: Picture, accelerator: str) -> str:
     workload = picture.workload()
     start = os.times().user
-    program = vividc.compile(workload.kernel(), fabric=accelerator)
+    program = vividc.compile(workload.kernel(), fabric=accelerator, effort=EFFORT)
     took = os.times().user - start
     mine, theirs = workload.fresh(), workload.fresh()
     result = launched(program, mine, accelerator)
@@ -372,7 +372,7 @@ def main(names: tuple[str, ...], output: Path) -> None:
     for picture in PICTURES:
         if picture.shown and picture.name in (names or BY_NAME):
             with vividc.patient(PATIENCE):
-                program = vividc.compile(picture.workload().kernel(), fabric="vivid")
+                program = vividc.compile(picture.workload().kernel(), fabric="vivid", effort=EFFORT)
             write_png(output / f"{picture.name}.png", drawn(picture, program))
             click.echo(output / f"{picture.name}.png")
 

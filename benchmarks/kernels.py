@@ -11,7 +11,7 @@ from statistics import geometric_mean, median
 from typing import Final
 
 import vividc
-from benchmarks import c_kernels, general, render_kernels
+from benchmarks import EFFORT, c_kernels, general, render_kernels
 from benchmarks.workloads import WORKLOADS, Workload, transformations
 from vividc.compiler.planning.estimate import RegionCost, Shape
 from vividc.dfg.regions import loop_behind, runs_into
@@ -79,10 +79,13 @@ def measured(workload: Workload, fabric: str, time_limit_s: float) -> Measured:
         fabric=fabric,
         time_limit_s=time_limit_s,
         loops=vividc.LoopOptions(auto=False),
+        effort=EFFORT,
     )
     written = vividc.simulate(plain, *workload.fresh()).cycles
     start = time.process_time()
-    program = vividc.compile(workload.kernel(), fabric=fabric, time_limit_s=time_limit_s)
+    program = vividc.compile(
+        workload.kernel(), fabric=fabric, time_limit_s=time_limit_s, effort=EFFORT
+    )
     compile_s = time.process_time() - start
     start = time.process_time()
     result = vividc.simulate(program, *workload.fresh(), engine="reference")

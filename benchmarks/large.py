@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import vividc
+from benchmarks import EFFORT
 from benchmarks.polybench.measure import RTOL, largest_error
 from benchmarks.polybench.suite import CASES, MEDIUM
 from vividc.errors import VividcError
@@ -157,7 +158,7 @@ def row(case: Large) -> str:
 
 def _measured(case: Large) -> list[str]:
     start = os.times().user
-    program = vividc.compile(case.kernel, fabric="vivid")
+    program = vividc.compile(case.kernel, fabric="vivid", effort=EFFORT)
     compiled = os.times().user
     mine, numbas = case.fresh(), case.fresh()
     result = vividc.simulate(program, *mine)

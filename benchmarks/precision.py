@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 import vividc
+from benchmarks import EFFORT
 from benchmarks.workloads import Workload
 from vividc.formats import to_floats
 from vividc.program.tables import RegionReport
@@ -56,6 +57,7 @@ def _fma_rows(fabric: str) -> Iterator[str]:
         program = vividc.compile(
             kernel,
             fabric=fabric,
+            effort=EFFORT,
             loops=vividc.LoopOptions(threads=_THREADS),
             time_limit_s=_MAPPING_S,
         )
@@ -80,6 +82,7 @@ def _exp_rows(fabric: str) -> Iterator[str]:
         program = vividc.compile(
             kernel,
             fabric=fabric,
+            effort=EFFORT,
             loops=vividc.LoopOptions(threads=_THREADS),
             precision={"exp": name},
             time_limit_s=_MAPPING_S,
@@ -138,6 +141,7 @@ def _blend_rows(fabric: str) -> Iterator[str]:
         program = vividc.compile(
             kernel,
             fabric=fabric,
+            effort=EFFORT,
             loops=vividc.LoopOptions(threads=_THREADS),
             precision={"exp": name},
             time_limit_s=_MAPPING_S,

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 import vividc
+from benchmarks import EFFORT
 from benchmarks.workloads import Arguments, Workload
 from vividc import arch
 from vividc.errors import VividcError
@@ -95,6 +96,7 @@ def _compiled(
     return vividc.compile(
         Workload(name, lambda _: (), _FILE).kernel(),
         fabric=fabric,
+        effort=EFFORT,
         time_limit_s=time_limit_s,
         loops=vividc.LoopOptions(auto=mode == "auto", threads=count),
     )

@@ -25,7 +25,7 @@ import click
 import numpy as np
 
 import vividc
-from benchmarks import PATIENCE, c_kernels, general, render_kernels
+from benchmarks import EFFORT, PATIENCE, c_kernels, general, render_kernels
 from benchmarks.paper import SCENES
 from benchmarks.quality import MODELS
 from benchmarks.workloads import WORKLOADS, Workload
@@ -72,7 +72,9 @@ def cases(group: str, fabric: str, time_limit_s: float, size: int) -> Iterator[C
 
 def _kernel(workload: Workload, fabric: str, time_limit_s: float) -> Case:
     start = time.perf_counter()
-    program = vividc.compile(workload.kernel(), fabric=fabric, time_limit_s=time_limit_s)
+    program = vividc.compile(
+        workload.kernel(), fabric=fabric, time_limit_s=time_limit_s, effort=EFFORT
+    )
     seconds = time.perf_counter() - start
     cycles = vividc.simulate(program, *workload.fresh()).cycles
     words = hashlib.sha256(program.words.tobytes() + program.images.tobytes()).hexdigest()

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 import vividc
-from benchmarks import PATIENCE
+from benchmarks import EFFORT, PATIENCE
 from benchmarks.kernels import predicted
 from benchmarks.polybench.suite import CASES, FABRICS, MEDIUM, Case
 from benchmarks.polybench.trace import traced
@@ -121,7 +121,11 @@ def measured(
         try:
             start = os.times().user
             program = vividc.compile(
-                case.kernel, fabric=FABRICS[size], like=like, reassociate=reassociate
+                case.kernel,
+                fabric=FABRICS[size],
+                like=like,
+                reassociate=reassociate,
+                effort=EFFORT,
             )
             took = round(os.times().user - start, 2)
             return _ran(replace(row, compile_s=took, hurried=program.hurried), case, program)

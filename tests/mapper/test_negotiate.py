@@ -23,7 +23,7 @@ from vividc.mapper import map_dfg
 from vividc.mapper.bounds.bounds import all_bounds, mii
 from vividc.mapper.check.verify import verify
 from vividc.mapper.deadline import Deadline
-from vividc.mapper.engines.negotiate import Effort, negotiate
+from vividc.mapper.engines.negotiate import Effort, loose_frame, negotiate
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.resources.plain_core import unrotated
@@ -174,6 +174,51 @@ def test_the_same_seed_gives_the_same_mapping() -> None:
     dfg = random_loop(3, 24)
     ii = relaxed(dfg)
     assert negotiated(dfg, ii) == negotiated(dfg, ii)
+
+
+@pytest.mark.parametrize("name", ["vivid-tile", "few-registers", "slow", "openedge"])
+@pytest.mark.parametrize("earlier", [0, 1, 4])
+def test_a_mapping_is_altered_for_a_quarter_of_the_moves(name: str, earlier: int) -> None:
+    """Also where its last nodes have to start earlier, which breaks what follows from them."""
+    fabric = {**FABRICS, **OPTIONS}[name]
+    dfg = random_loop(5, 14)
+    ii, effort = relaxed(dfg, fabric) + 2, replace(QUICK, trials=1, moves=40_000)
+    problem = MapProblem(dfg, fabric)
+    whole, part = Deadline.after(1000.0), Deadline.after(1000.0)
+    first = negotiate(problem, ii, 1, whole, effort)
+    frame = loose_frame(problem, ii)
+    assert first is not None
+    assert frame is not None
+    latest = max(place.time for place in first.places.values()) - earlier
+    last = {node: max(frame.begin[node], min(time, latest)) for node, time in frame.last.items()}
+    again = [
+        negotiate(problem, ii, 2, part, effort, frame=replace(frame, last=last, origin=first))
+        for _ in range(2)
+    ]
+    assert again[0] == again[1]
+    if again[0] is not None:
+        assert verify(dfg, fabric, again[0]) == []
+        assert all(again[0].places[node].time <= time for node, time in last.items())
+    assert earlier or again[0] is not None
+    if fabric is TILE:
+        assert part.meter.spent_s / 2 < 0.4 * whole.meter.spent_s
+
+
+def test_annealing_ends_where_what_is_broken_is_frozen() -> None:
+    """Where more operations have to be on a PE than it has slots, and not where there is room."""
+    dfg = random_loop(1, 60)
+    ii = mii(all_bounds(MapProblem(dfg, TILE)))
+    plain = [node.id for node in dfg.placed if 5 in TILE.hosts(node)]
+    crowded = MapProblem(dfg, TILE, dict.fromkeys(plain[: ii + 4], frozenset({5})))
+    spent, found = {}, []
+    for quits in (False, True):
+        deadline, effort = Deadline.after(1000.0), Effort(moves=20_000, trials=1, quits=quits)
+        assert negotiate(crowded, ii, 1, deadline, effort) is None
+        spent[quits] = deadline.meter.spent_s
+        found.append(negotiate(MapProblem(dfg, TILE), ii, 1, Deadline.after(1000.0), effort))
+    assert spent[True] < 0.6 * spent[False]
+    assert found[0] is not None
+    assert found[0] == found[1]
 
 
 @pytest.mark.parametrize("seed", [1, 3, 8])

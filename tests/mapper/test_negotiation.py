@@ -12,7 +12,7 @@ from vividc.mapper.check.verify import verify
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.request import EffortLevel, MapRequest, Progress
+from vividc.mapper.request import EFFORT_LEVELS, EffortLevel, MapRequest, Progress
 from vividc.mapper.search.attempt import map_decoupled
 from vividc.mapper.search.negotiation import negotiate_downward, restart_below
 from vividc.mapper.search.state import OPEN, Attempt, IISearch
@@ -27,8 +27,9 @@ def mapped(
     found_s: float = 1.0,
     nodes: int = 4,
     tell: Progress = lambda _: None,
+    part: float = 1.0,
 ) -> IISearch:
-    request = MapRequest(None, Deadline.after(1000.0), progress=tell, effort=effort)
+    request = MapRequest(None, Deadline.after(1000.0), progress=tell, effort=effort, part=part)
     made = IISearch(MapProblem(random_loop(1, nodes), TILE), request, lambda *_: OPEN, lower)
     request.deadline.charge(found_s)
     made.record(best, Attempt(mapping=Mapping(best, {}, {})))
@@ -56,9 +57,9 @@ def test_normal_goes_on_for_longer_the_more_there_is_to_gain_and_the_longer_it_t
     assert left_s(7, 5, "normal", 1.0) < left_s(7, 5, "normal", 20.0) < 500
 
 
-def test_normal_goes_on_for_less_with_a_large_graph() -> None:
-    assert left_s(6, 5, "normal", nodes=60) == left_s(6, 5, "normal", nodes=4)
-    assert 0 < left_s(7, 5, "normal", nodes=60) < left_s(7, 5, "normal", nodes=4)
+def test_thorough_goes_on_for_less_with_a_large_graph() -> None:
+    assert left_s(6, 5, "thorough", nodes=60) == left_s(6, 5, "thorough", nodes=4)
+    assert 0 < left_s(7, 5, "thorough", nodes=60) < left_s(7, 5, "thorough", nodes=4)
 
 
 @pytest.mark.parametrize(("left_s", "is_tried"), [(0.03, False), (0.5, True)])
@@ -82,6 +83,17 @@ def test_a_proof_has_its_effort_whatever_patience_is_left(nodes: int, is_tried: 
     spent_s = search.request.deadline.meter.spent_s
     negotiate_downward(search)
     assert (search.request.deadline.meter.spent_s > spent_s) == is_tried
+
+
+def test_loops_share_the_patience_of_normal_and_of_nothing_else() -> None:
+    def left(effort: EffortLevel, part: float) -> float:
+        return mapped(7, 5, effort, 0.01, part=part).deadline.remaining_s
+
+    assert left("normal", 0.5) == pytest.approx(left("normal", 1.0) / 2)
+    assert 0 < left("normal", 0.0) <= 0.01
+    for effort in EFFORT_LEVELS:
+        assert effort == "normal" or left(effort, 0.5) == left(effort, 1.0)
+    assert left("fast", 1.0) < left("normal", 1.0) < left("thorough", 1.0) < left("prove", 1.0)
 
 
 def test_prove_goes_on_to_the_deadline() -> None:

@@ -115,8 +115,8 @@ def effort(default: EffortLevel) -> Callable[[Command], Command]:
         type=click.Choice(EFFORT_LEVELS),
         default=default,
         show_default=True,
-        help="Stop a search at the first good mapping, where more work does not pay, or once every "
-        "smaller II is refuted; the time limit ends it in any case.",
+        help="Stop a search at the first good mapping, where more work rarely pays, where none is "
+        "expected to, or once every smaller II is refuted; the time limit ends it in any case.",
     )
 
 

@@ -17,7 +17,7 @@ from vividc.compiler.nests import with_nests
 from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.estimate import Estimator, Spaces
 from vividc.compiler.planning.explain import loop_reports
-from vividc.compiler.planning.fallback import Budget, Outcome, settle
+from vividc.compiler.planning.fallback import HASTY, Budget, Outcome, settle
 from vividc.compiler.planning.options import FlatLoopOptions, LoopOptions, loop_options
 from vividc.compiler.planning.plan import Plan, Stage
 from vividc.compiler.price import priced
@@ -103,8 +103,9 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
         a warning.
     effort
         Where the search for each loop's mapping stops before that: "fast" at the first good one
-        (the others go on, at its II, for fewer bank stalls), "normal" where more work does not pay,
-        "prove" once every smaller II is refuted (`docs/loops.md`).
+        (the others go on, at its II, for fewer bank stalls), "normal" where more work rarely pays,
+        which takes seconds, "thorough" where it is not expected to pay at all, "prove" once every
+        smaller II is refuted (`docs/loops.md`).
     loops
         How loops are transformed, as in LoopOptions(unroll={12: 4}). None: where an estimate says
         that it pays.
@@ -303,7 +304,8 @@ def compile_stages(
 
     with limited(options.time_limit_s) as whole:
         budget = Budget.of(whole)
-        settled = settle(plan, attempt)
+        hasty = options.effort == "normal"
+        settled = settle(plan, attempt, HASTY if hasty else math.inf)
     notes = [
         f"{_place(settled.outcome, header)}: the loop {why} and runs block by block"
         for header, why in settled.outcome.sequential.items()

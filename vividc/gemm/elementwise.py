@@ -178,7 +178,7 @@ def _mapped(loop: DFG, fabric: Fabric) -> MapResult:
     """
     with nullcontext() if time_limit.current() else time_limit.patient(_PATIENCE):
         for limit in _TIME_LIMITS_S:
-            result = map_dfg(loop, fabric, time_limit_s=limit, effort="normal")
+            result = map_dfg(loop, fabric, time_limit_s=limit, effort="thorough")
             if result.mapping is not None:
                 break
     return result

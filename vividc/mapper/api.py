@@ -48,6 +48,7 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     workers: int = 2,
     progress: Progress | None = None,
     effort: EffortLevel = "prove",
+    part: float = 1.0,
     extend: Extension | None = None,
     objective: str | None = None,
 ) -> MapResult:
@@ -66,7 +67,10 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
         repeats exactly.
     effort
         Where to stop before that, by work that is counted and never timed: "fast" at the first good
-        mapping, "normal" where more work does not pay, "prove" once every smaller II is refuted.
+        mapping, "normal" where more work rarely pays, "thorough" where none is expected to, "prove"
+        once every smaller II is refuted.
+    part
+        Of the patience of "normal", that a search has which shares it with others.
     allowed, resident
         By node id the PEs that it may lie on; by PE the constants that other regions hold there.
     extend, objective
@@ -94,7 +98,7 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     try:
         with limited(time_limit_s) as deadline:
             tell = to_tell(progress)
-            request = MapRequest(ii, deadline, workers, tell, effort, extend)
+            request = MapRequest(ii, deadline, workers, tell, effort, extend, part=part)
             began, spent = time.monotonic(), deadline.meter.spent_s
             result = _mapped(problem, run, request, objective)
             if mapper not in BUILT_IN:  # what a guest does is known by the clock only

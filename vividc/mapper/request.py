@@ -16,9 +16,10 @@ if TYPE_CHECKING:
 
 Progress = Callable[[str], None]
 
-EffortLevel = Literal["fast", "normal", "prove"]
+EffortLevel = Literal["fast", "normal", "thorough", "prove"]
 """Where a search stops before its deadline: "fast" at the first good mapping, "normal" where more
-work does not pay, "prove" once every smaller II is refuted (`mapper/search/state.py`).
+work rarely pays, "thorough" where none is expected to, "prove" once every smaller II is refuted
+(`mapper/search/state.py`).
 """
 EFFORT_LEVELS: Final[tuple[EffortLevel, ...]] = get_args(EffortLevel)
 
@@ -39,6 +40,8 @@ class MapRequest:
         Called with one line at each step; None: silent.
     effort
         Where to stop before the deadline.
+    part
+        Of its effort's patience, that the search has: a kernel's loops share it.
     extend
         Adds a caller's constraints to every model whose solution becomes a mapping.
     known
@@ -53,6 +56,7 @@ class MapRequest:
     effort: EffortLevel = "prove"
     extend: Extension | None = None
     known: Mapping | None = None
+    part: float = 1.0
 
     def tell(self, line: str) -> None:
         """Report progress."""

@@ -284,3 +284,31 @@ def test_stages_that_come_too_late_are_not_tried() -> None:
     budget.whole.charge(12.5)
     with pytest.raises(TimeLimit, match="no time was left"):
         budget.share(as_written=False)
+
+
+@pytest.mark.parametrize(
+    ("achieved", "estimate", "tried"),
+    [(90, 104, True), (90, 105, False), (200, 209, True), (200, 210, False)],
+)
+def test_in_haste_a_stage_is_left_out_that_is_expected_to_take_longer(
+    achieved: float, estimate: float, tried: bool
+) -> None:
+    """Than the better one was expected to take, or took."""
+    stalled = RegionCost("b1", "loop", Shape(1, 10, 4, stalls=1.0), 1.0, 50.0)
+    loops = (stalled,)
+    first = made(100).stages[0].state
+    stages = Plan(tuple(Stage(first, Estimate(item, loops)) for item in (estimate, 100)))
+    asked: list[float] = []
+
+    def attempt(stage: Stage, *_: object) -> Outcome:
+        asked.append(stage.estimate.cycles)
+        return fake(stage, achieved)
+
+    assert settle(stages, attempt, 1.05).index == 1
+    assert asked == ([100, estimate] if tried else [100])
+
+
+def test_in_haste_what_is_written_is_tried_if_the_hottest_loop_has_no_mapping() -> None:
+    outcomes = [hot(500, by_block=False), hot(90, by_block=True)]
+    stages = Plan(tuple(outcome.stage for outcome in outcomes))
+    assert settle(stages, lambda *_: outcomes.pop(), 1.05).index == 0

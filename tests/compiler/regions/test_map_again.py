@@ -12,12 +12,13 @@ from vividc.compiler.driver import lower
 from vividc.compiler.regions.map_again import Runs
 from vividc.compiler.regions.map_regions import MapOptions, map_kernel
 from vividc.dfg.regions import Kernel
-from vividc.mapper import MapResult
+from vividc.mapper import EffortLevel, MapResult
 from vividc.mapper.check.verify import violations
+from vividc.mapper.deadline import Deadline
 from vividc.mapper.engines.negotiate import least_span
 from vividc.mapper.engines.negotiate.frame import Frame
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.resources.banks import words_of
+from vividc.mapper.resources.banks import Traffic, words_of
 from vividc.program.encoder.banks import choose_layout, traffic_of
 from vividc.program.encoder.checks import span_of
 
@@ -60,14 +61,14 @@ def alone(x, y):
 
 
 def mapped(
-    kernel: vividc.KernelFunction, runs: bool
+    kernel: vividc.KernelFunction, runs: bool, effort: EffortLevel = "normal"
 ) -> tuple[Kernel, dict[int, MapResult], Fabric, list[float]]:
     fabric = arch.load("vivid-tile")
     assert isinstance(fabric, Fabric)
     lowered = lower(kernel)
     loop = [100.0 if region.kind == "loop" else 1.0 for region in lowered.regions]
     given = Runs([1.0] * len(loop), loop) if runs else None
-    made = map_kernel(lowered, fabric, MapOptions(), runs=given)
+    made = map_kernel(lowered, fabric, MapOptions(effort=effort), runs=given)
     assert isinstance(made, tuple)
     return *made, fabric, loop
 
@@ -81,10 +82,11 @@ def stalls(
     return sum(one.weight * one.stalls(words_of(starts, pitches)) for one in traffic)
 
 
+@pytest.mark.parametrize("effort", ["normal", "thorough"])
 @pytest.mark.parametrize("kernel", [nine_points, eight_apart, alone], ids=lambda k: k.name)
-def test_fewer_stalls_at_the_same_iis(kernel: vividc.KernelFunction) -> None:
-    plain, results, fabric, runs = mapped(kernel, runs=False)
-    spared, better, _, _ = mapped(kernel, runs=True)
+def test_fewer_stalls_at_the_same_iis(kernel: vividc.KernelFunction, effort: EffortLevel) -> None:
+    plain, results, fabric, runs = mapped(kernel, runs=False, effort=effort)
+    spared, better, _, _ = mapped(kernel, runs=True, effort=effort)
     assert {i: r.ii for i, r in results.items() if plain.regions[i].kind == "loop"} == {
         i: r.ii for i, r in better.items() if spared.regions[i].kind == "loop"
     }
@@ -98,7 +100,7 @@ def test_fewer_stalls_at_the_same_iis(kernel: vividc.KernelFunction) -> None:
         assert before > 50.0
         assert after < 0.5 * before
     assert [r.mapping for r in better.values()] == [
-        r.mapping for r in mapped(kernel, True)[1].values()
+        r.mapping for r in mapped(kernel, True, effort)[1].values()
     ]
 
 
@@ -153,9 +155,30 @@ def test_seeds_that_map_nothing_end_a_search_the_sooner_the_more_they_cost(
 
     monkeypatch.setattr("vividc.compiler.regions.map_again.negotiate", nothing)
     monkeypatch.setattr("vividc.compiler.regions.map_again.annealing_s", lambda *_: annealing_s)
-    _, results, _, _ = mapped(eight_apart, runs=True)
+    _, results, _, _ = mapped(eight_apart, runs=True, effort="thorough")
     assert all(result.mapping is not None for result in results.values())
     assert max(map(len, seeds.values())) == most
+
+
+def test_in_haste_a_search_ends_by_what_it_may_save(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Stalls of a twentieth of the cycles are worth half a second, of the half five."""
+
+    def begun(share: float, effort: EffortLevel) -> int:
+        seeds: list[int] = []
+
+        def slow(
+            _: object, _ii: int, seed: int, deadline: Deadline, *_others: object, **_how: object
+        ) -> None:
+            seeds.append(seed)
+            deadline.charge(0.2)
+
+        monkeypatch.setattr("vividc.compiler.regions.map_again.negotiate", slow)
+        monkeypatch.setattr(Traffic, "stalls", lambda self, *_: share / (1 - share) * self.ii)
+        mapped(eight_apart, runs=True, effort=effort)
+        return len(seeds)
+
+    assert begun(0.0, "normal") < begun(0.05, "normal") < begun(0.5, "normal")
+    assert begun(0.05, "normal") < begun(0.05, "thorough")
 
 
 def test_accesses_around_a_place_that_nobody_knows_start_together() -> None:

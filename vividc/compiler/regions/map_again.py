@@ -10,6 +10,7 @@ that works.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Sequence
 from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass, field, replace
@@ -22,7 +23,7 @@ from vividc.compiler.regions.earlier import posed
 from vividc.compiler.regions.stores import Stores
 from vividc.dfg.regions import Kernel
 from vividc.errors import InternalError
-from vividc.mapper import MapProblem, MapResult
+from vividc.mapper import EffortLevel, MapProblem, MapResult
 from vividc.mapper.check.verify import violations
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.engines.negotiate import (
@@ -83,8 +84,37 @@ more: of 15 large loops of PolyBench and `kernels/` no later one saved anything.
 operations (mvt, covariance) save 3 % of all cycles by their last ones, and each takes 0.1 s.
 """
 
-_BUDGET_S: Final = 5.0
-"""Seconds of effort, at most, for a kernel."""
+
+@dataclass(frozen=True, slots=True)
+class Haste:
+    """How long loops are mapped again.
+
+    Attributes
+    ----------
+    most_s, worth_s
+        Seconds of effort for a kernel's stalls, and for its iterations: at most, and for a share of
+        its loops' cycles that they might be fewer by, times that share.
+    is_frugal
+        Annealing ends where what is broken is frozen, and every other seed alters the best mapping
+        so far, which takes a quarter of the moves.
+    """
+
+    most_s: float
+    worth_s: float
+    is_frugal: bool
+
+    def worth(self, share: float) -> float:
+        """Seconds of effort for a share of the loops' cycles."""
+        return self.worth_s * share if share > 0.0 else 0.0
+
+
+_LONG: Final = Haste(most_s=5.0, worth_s=math.inf, is_frugal=False)
+_HASTES: Final[dict[str, Haste]] = {
+    "normal": Haste(most_s=2.5, worth_s=10.0, is_frugal=True),
+    "thorough": _LONG,
+    "prove": _LONG,
+}
+"""By effort; "fast" does not map again."""
 
 _Way = Literal["anew", "stay", "open"]
 """How arrays lie while loops are mapped again: anew for each mapping, where they are, or as suits
@@ -111,26 +141,30 @@ def with_fewer_cycles(
     results: ReadOnly[int, MapResult],
     runs: Runs,
     deadline: Deadline,
+    effort: EffortLevel,
     tried: dict[Hashable, Mapping | None],
 ) -> dict[int, MapResult]:
     """The results of a kernel's loops, by region, those with many stalls or long iterations mapped
     again at their IIs where that is expected to save cycles of a run; `tried`: see `_Loops`.
     """
-    loops = _Loops(kernel, fabric, runs, tried)
-    apart = _with_fewer_stalls(loops, results, deadline.within(_BUDGET_S))
-    return _with_shorter_iterations(loops, apart, deadline.within(_BUDGET_S))
+    haste = _HASTES.get(effort)
+    if haste is None:
+        return dict(results)
+    until = deadline.within(haste.most_s)
+    loops = _Loops(kernel, fabric, runs, haste=haste, deadline=until, tried=tried)
+    apart = _with_fewer_stalls(loops, results)
+    until = deadline.within(haste.most_s)
+    return _with_shorter_iterations(replace(loops, deadline=until), apart)
 
 
 def layout_for(
     kernel: Kernel, fabric: Fabric, results: ReadOnly[int, MapResult], runs: Runs
 ) -> Words:
     """Where arrays would start and how far apart their rows would lie for mapped loops alone."""
-    return _Loops(kernel, fabric, runs).known(results, TRIES)
+    return _Costs(kernel, fabric, runs).known(results, TRIES)
 
 
-def _with_fewer_stalls(
-    loops: _Loops, results: ReadOnly[int, MapResult], deadline: Deadline
-) -> dict[int, MapResult]:
+def _with_fewer_stalls(loops: _Loops, results: ReadOnly[int, MapResult]) -> dict[int, MapResult]:
     """Loops with many stalls mapped again, in up to three ways, the next one if stalls are left:
     arrays lie as suits loops whose accesses can start in any cycle, where no loop has to stall
     (fdtd-2d); or they are placed anew for every mapping, as one that stalls where they are may be
@@ -141,11 +175,11 @@ def _with_fewer_stalls(
     known = loops.known(tried)
     first = least = loops.total(tried, known)
     ways: tuple[_Way, ...] = ("open", "anew", "stay")
+    until = loops.deadline.within(loops.haste.worth(loops.stalled(tried, known) / first))
     for way in ways:
-        left = sum(loops.stalls(index, mapping_of(made), known) for index, made in tried.items())
-        if left < _PAYS * first or deadline.passed:
+        if loops.stalled(tried, known) < _PAYS * first or until.passed:
             break
-        tried = _settled(loops, results, deadline, way, first)
+        tried = _settled(loops, results, until, way, first)
         known = loops.known(tried)
         cycles = loops.total(tried, known)
         if cycles < least:
@@ -156,7 +190,7 @@ def _with_fewer_stalls(
 def _settled(
     loops: _Loops,
     results: ReadOnly[int, MapResult],
-    deadline: Deadline,
+    until: Deadline,
     way: _Way,
     every: float,
 ) -> dict[int, MapResult]:
@@ -168,9 +202,10 @@ def _settled(
     before = loops.total(better, known)
     stalls = {index: loops.stalls(index, mapping_of(better[index]), known) for index in better}
     for index in sorted(stalls, key=lambda index: -stalls[index]):
-        if stalls[index] < _PAYS * every or deadline.passed:
+        if stalls[index] < _PAYS * every or until.passed:
             break
-        made = loops.mapped_again(index, better, known, deadline, way == "anew")
+        share = until.within(loops.haste.worth(stalls[index] / every))
+        made = loops.mapped_again(index, better, known, share, way == "anew")
         if made is None or made.cycles > before - _SAVES * every:
             continue
         better[index] = replace(better[index], mapping=made.mapping)
@@ -181,18 +216,18 @@ def _settled(
 
 
 def _with_shorter_iterations(
-    loops: _Loops, results: ReadOnly[int, MapResult], deadline: Deadline
+    loops: _Loops, results: ReadOnly[int, MapResult]
 ) -> dict[int, MapResult]:
     better = dict(results)
     known = loops.known(better)
     every = sum(loops.cost(index, mapping_of(better[index]), known) for index in better)
     saved = {index: loops.spared(index, mapping_of(better[index])) for index in better}
     for index in sorted(saved, key=lambda index: -saved[index]):
-        if saved[index] < _SHORTER_PAYS * every or deadline.passed:
+        if saved[index] < _SHORTER_PAYS * every or loops.deadline.passed:
             break
-        better[index] = replace(
-            better[index], mapping=loops.mapped_shorter(index, better, known, deadline)
-        )
+        share = loops.deadline.within(loops.haste.worth(saved[index] / every))
+        shorter = loops.mapped_shorter(index, better, known, share)
+        better[index] = replace(better[index], mapping=shorter)
     return better
 
 
@@ -205,22 +240,14 @@ class _Again:
 
 
 @dataclass(frozen=True)
-class _Loops:
-    """`tried`: what came of each negotiation; both ways of `_with_fewer_stalls` begin alike, and so
-    do stages with equal loops.
-    """
+class _Costs:
+    """What mapped loops are expected to take."""
 
     kernel: Kernel
     fabric: Fabric
     runs: Runs
-    tried: dict[Hashable, Mapping | None] = field(default_factory=dict)
     _traffic: dict[tuple[int, int], tuple[Mapping, Traffic]] = field(default_factory=dict)
     """By region and the identity of its mapping, which is kept so that no other one gets it."""
-
-    @cached_property
-    def empty(self) -> Stores:
-        """What constant stores hold before a loop is mapped."""
-        return Stores.of(self.kernel, self.fabric)
 
     def traffic(self, index: int, mapping: Mapping) -> Traffic:
         """Of a mapped loop, which keeps what was found of it."""
@@ -257,6 +284,10 @@ class _Loops:
         """Expected cycles of a run in which the loop stands still."""
         return self.runs.iterations[index] * self.traffic(index, mapping).stalls(known)
 
+    def stalled(self, results: ReadOnly[int, MapResult], known: Words) -> float:
+        """The same of all loops."""
+        return sum(self.stalls(i, mapping_of(result), known) for i, result in results.items())
+
     def cost(self, index: int, mapping: Mapping, known: Words) -> float:
         """Expected cycles of a run in the loop."""
         filled = self.runs.entries[index] * self.span(index, mapping)
@@ -277,8 +308,33 @@ class _Loops:
         least = least_span(problem, mapping.ii)
         return self.runs.entries[index] * max(0, self.span(index, mapping) - least)
 
+
+@dataclass(frozen=True)
+class _Loops(_Costs):
+    """Loops that are mapped again.
+
+    Attributes
+    ----------
+    haste
+        How long they may be.
+    deadline
+        When negotiations must end; methods are told after which effort to begin none.
+    tried
+        What came of each negotiation; the ways of `_with_fewer_stalls` begin alike, and so do
+        stages with equal loops.
+    """
+
+    haste: Haste = field(kw_only=True)
+    deadline: Deadline = field(kw_only=True)
+    tried: dict[Hashable, Mapping | None] = field(kw_only=True)
+
+    @cached_property
+    def empty(self) -> Stores:
+        """What constant stores hold before a loop is mapped."""
+        return Stores.of(self.kernel, self.fabric)
+
     def mapped_shorter(
-        self, index: int, results: ReadOnly[int, MapResult], known: Words, deadline: Deadline
+        self, index: int, results: ReadOnly[int, MapResult], known: Words, until: Deadline
     ) -> Mapping:
         """A mapping of a loop at its II with shorter iterations, and no more stalls, which are only
         expected; the one it has where none is found.
@@ -288,14 +344,13 @@ class _Loops:
         least = least_span(problem, best.ii)
         stalls = self.stalls(index, best, known)
         apart = self.traffic(index, best).meetings(known)
-        while (span := self.span(index, best)) > least and not deadline.passed:
+        effort = replace(_SHORTER_EFFORT, quits=self.haste.is_frugal)
+        while (span := self.span(index, best)) > least and not until.passed:
             tried, better, misses = (least + span) // 2, None, 0
             for seed, meetings in ((1, apart), (1, NO_MEETINGS), (2, NO_MEETINGS)):
                 if misses == _SHORTER_MISSES:
                     break
-                made = self._negotiated(
-                    problem, best, seed, deadline, _SHORTER_EFFORT, meetings, tried
-                )
+                made = self._negotiated(problem, best, seed, effort, meetings, tried)
                 misses += made is None
                 if made and self.stalls(index, made, known) <= stalls:
                     better = made
@@ -319,7 +374,7 @@ class _Loops:
         index: int,
         results: ReadOnly[int, MapResult],
         known: Words,
-        deadline: Deadline,
+        until: Deadline,
         anew: bool,
     ) -> _Again | None:
         """The least costly of some mappings of a loop at its II; None: there is none."""
@@ -328,13 +383,15 @@ class _Loops:
         stalls, least = self.stalls(index, old, known), self.total(results, known)
         enough = least - (1.0 - _ENOUGH) * stalls
         best: _Again | None = None
+        altered = old
         most, idle = max(_IDLE, int(_IDLE_S / annealing_s(problem, _EFFORT))), 0
+        effort = replace(_EFFORT, quits=self.haste.is_frugal)
         for seed in _SEEDS:
-            if deadline.passed or least <= enough or idle == most:
+            if until.passed or least <= enough or idle == most:
                 break
-            made = self._negotiated(
-                problem, old, seed, deadline, _EFFORT, meetings.weighted(weight)
-            )
+            start = altered if self.haste.is_frugal and seed % 2 == 0 else None
+            apart = meetings.weighted(weight)
+            made = self._negotiated(problem, old, seed, effort, apart, start=start)
             if made is None and weight > 1.0:
                 weight = max(1.0, weight / _LIGHTER)
                 continue
@@ -347,7 +404,8 @@ class _Loops:
                 idle = 0
             if best is None or cycles < best.cycles:
                 best = _Again(made, cycles)
-            least = min(least, cycles)
+            if cycles < least:
+                least, altered = cycles, made
         return best
 
     def _negotiated(
@@ -355,19 +413,22 @@ class _Loops:
         problem: MapProblem,
         old: Mapping,
         seed: int,
-        deadline: Deadline,
         effort: Effort,
         meetings: Meetings,
         span: int | None = None,
+        start: Mapping | None = None,
     ) -> Mapping | None:
-        """Another mapping at the II of the `old` one, its iterations not longer than `span`."""
+        """Another mapping at the II of the `old` one, its iterations not longer than `span`, made
+        of `start` if there is one.
+        """
         expected = (meetings.accesses, meetings.stalls.tobytes())
-        key = (posed(problem), old.ii, seed, effort, expected, span)
+        begun = start and tuple((node, at.pe, at.time) for node, at in sorted(start.places.items()))
+        key = (posed(problem), old.ii, seed, effort, expected, span, begun)
         if key in self.tried:
             named = self.tried[key]
         else:
-            named = self._newly_negotiated(problem, old.ii, seed, deadline, effort, meetings, span)
-            if named is not None or not deadline.passed:
+            named = self._newly_negotiated(problem, old.ii, seed, effort, meetings, span, start)
+            if named is not None or not self.deadline.passed:
                 self.tried[key] = named
         return None if named is None else replace(named, subject=old.subject)
 
@@ -376,10 +437,10 @@ class _Loops:
         problem: MapProblem,
         ii: int,
         seed: int,
-        deadline: Deadline,
         effort: Effort,
         meetings: Meetings,
         span: int | None,
+        start: Mapping | None,
     ) -> Mapping | None:
         core = replace(problem, fabric=unrotated(self.fabric))
         if span is None:
@@ -388,7 +449,8 @@ class _Loops:
             frame = tight_frame(core, ii, span, meetings)
         if frame is None:
             return None
-        made = negotiate(core, ii, seed, deadline, effort, frame=frame)
+        frame = replace(frame, origin=start)
+        made = negotiate(core, ii, seed, self.deadline, effort, frame=frame)
         named = None if made is None else named_anew(problem, made)
         if named is None:
             return None

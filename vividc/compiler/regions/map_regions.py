@@ -4,6 +4,7 @@ time limit.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -118,14 +119,17 @@ def map_kernel(
         for region in kernel.regions if earlier.hopeless else ():
             if (error := earlier.hopeless.get(unnamed(region.dfg))) is not None:
                 raise error
-        results = _map_loops(kernel, fabric, options, earlier, demanded, effort, is_lost)
+        asked = _Asked(options, runs, earlier, demanded)
+        results = _map_loops(kernel, fabric, asked, effort, is_lost)
         if results is None or isinstance(results, Unmapped):
             return results
         if is_lost(_least(kernel, fabric, results)):
             return None
         chosen = results
-        if runs is not None and options.mapper == "auto" and options.effort != "fast":
-            chosen = with_fewer_cycles(kernel, fabric, results, runs, effort, earlier.again)
+        if runs is not None and options.mapper == "auto":
+            chosen = with_fewer_cycles(
+                kernel, fabric, results, runs, effort, options.effort, earlier.again
+            )
         before, after = (spans_of(kernel, fabric, loops) for loops in (results, chosen))
         if is_lost({index: min(span, after[index]) for index, span in before.items()}):
             return None
@@ -189,12 +193,20 @@ def guarded(seconds: float, *, grace_s: float = 0.0) -> Iterator[None]:
                 time_limit.left_out(_SEARCH)
 
 
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """Arguments of `map_kernel`."""
+
+    options: MapOptions
+    runs: Runs | None
+    earlier: Earlier
+    demanded: frozenset[str]
+
+
 def _map_loops(
     kernel: Kernel,
     fabric: Fabric,
-    options: MapOptions,
-    earlier: Earlier,
-    demanded: frozenset[str],
+    asked: _Asked,
     effort: Deadline,
     is_lost: IsLost,
 ) -> dict[int, MapResult] | Unmapped | None:
@@ -210,9 +222,10 @@ def _map_loops(
     results: dict[int, MapResult] = {}
     failed: dict[str, MappingFailed | TimeLimit] = {}
     least = _bounds(kernel, fabric)
+    parts = _parts(least, asked.runs)
     for number, (index, region) in enumerate(loops):
-        turn = _Turn(_share(loops[number:]), until, effort)
-        result, stores = _mapped_beside(region, index, stores, earlier, options, turn)
+        turn = _Turn(_share(loops[number:]), parts[index], until, effort)
+        result, stores = _mapped_beside(region, index, stores, asked, turn)
         if isinstance(result, MapResult):
             results[index] = result
             least |= _least(kernel, fabric, {index: result})
@@ -220,11 +233,24 @@ def _map_loops(
                 return None
             continue
         failed[region.header] = result
-        if region.header in demanded:
+        if region.header in asked.demanded:
             break
     if failed:
         return Unmapped(tuple(failed), next(iter(failed.values())))
     return dict(sorted(results.items()))
+
+
+def _parts(least: dict[int, tuple[int, int]], runs: Runs | None) -> dict[int, float]:
+    """The part of each loop in the cycles that all loops take at least, where runs are known."""
+    if runs is None:
+        return dict.fromkeys(least, 1.0)
+    cycles = {
+        i: runs.entries[i] * span + runs.iterations[i] * ii for i, (ii, span) in least.items()
+    }
+    every = sum(cycles.values())
+    if not 0.0 < every < math.inf:
+        return dict.fromkeys(least, 1.0)
+    return {index: each / every for index, each in cycles.items()}
 
 
 def _in_order(kernel: Kernel, stores: Stores) -> list[tuple[int, Region]]:
@@ -239,9 +265,12 @@ def _in_order(kernel: Kernel, stores: Stores) -> list[tuple[int, Region]]:
 
 @dataclass(frozen=True, slots=True)
 class _Turn:
-    """A loop's `share` of the time `until` some point, and of an effort."""
+    """A loop's `share` of the time `until` some point, and of an effort; its `part` of the cycles
+    that are expected in loops.
+    """
 
     share: float
+    part: float
     until: float
     effort: Deadline
 
@@ -259,20 +288,19 @@ def _mapped_beside(
     region: Region,
     index: int,
     stores: Stores,
-    earlier: Earlier,
-    options: MapOptions,
+    asked: _Asked,
     turn: _Turn,
 ) -> tuple[MapResult | MappingFailed | TimeLimit, Stores]:
     """The result of a loop beside what constant stores hold, an earlier one if there is one, and
     what they hold with it; or why it has no mapping.
     """
+    earlier = asked.earlier
     for held in stores.beside(index):
         problem = MapProblem(region.dfg, stores.fabric, {}, held)
         result: MapResult | MappingFailed | TimeLimit | None = _still_good(problem, earlier)
         if result is None:
             with guarded((turn.until - time_limit.now()) * turn.share):
-                share_s = turn.effort.remaining_s * turn.share
-                result = _mapped_loop(region, problem, options, share_s)
+                result = _mapped_loop(region, problem, asked.options, turn)
         if not isinstance(result, MapResult):
             return result, stores
         with_it = stores.with_regions([(region.dfg, mapping_of(result))])
@@ -299,9 +327,10 @@ def _still_good(problem: MapProblem, earlier: Earlier) -> MapResult | None:
 
 
 def _mapped_loop(
-    region: Region, problem: MapProblem, options: MapOptions, share_s: float
+    region: Region, problem: MapProblem, options: MapOptions, turn: _Turn
 ) -> MapResult | MappingFailed | TimeLimit:
     """The result of a loop, or why it has no mapping."""
+    share_s = turn.effort.remaining_s * turn.share
     hint = "give a longer --time-limit, or a larger fabric"
     if time_limit.remaining_s() < _LEAST_LOOP_S:
         time_limit.left_out(_SEARCH)
@@ -316,6 +345,7 @@ def _mapped_loop(
         resident=problem.resident,
         progress=_prefixed(options.progress, region),
         effort=options.effort,
+        part=turn.part,
     )
     if result.mapping is not None:
         return result

@@ -31,6 +31,7 @@ from vividc.mapper.search.tuning import (
     LARGE_ARRAY,
     MOST_BOOLEANS,
     MOST_DOUBLINGS,
+    PATIENCES,
     ROUTE_S,
     ROUTE_S_PER_NODE,
     SCHEDULE_KINDS,
@@ -103,6 +104,9 @@ def map_negotiated(
         frame = tight_frame(core, ii, least_span(core, ii) + longer)
         if frame is None:
             return OPEN
+    patience = PATIENCES.get(request.effort)
+    if patience is not None and patience.quits:
+        effort = replace(effort or Effort(), quits=True)
     mapping = negotiate(
         core, ii, seed, deadline, effort, SEEDS_IN_STEP, request.workers, frame=frame
     )

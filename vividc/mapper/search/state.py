@@ -123,7 +123,8 @@ class IISearch:
         if self.over:
             return replace(deadline, at=min(deadline.at, deadline.meter.spent_s))
         patience = PATIENCES[self.request.effort]
-        patience_s = max(patience.least_s, patience.factor * (self.improved - self.began))
+        least_s = patience.least_s * (self.request.part if patience.shared else 1.0)
+        patience_s = max(least_s, patience.factor * (self.improved - self.began))
         if self.incumbent.ii - self.lower <= max(NEAR, patience.good * self.lower):
             patience_s *= patience.near
         elif is_large(self.problem):

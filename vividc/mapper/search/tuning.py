@@ -162,6 +162,10 @@ class Patience:
     first_proof_s, proof_s
         For refuting the bound of a large graph by a schedule without places, before and after the
         way downward, the latter whether patience is left or not.
+    quits
+        Annealing ends where what is broken is frozen.
+    shared
+        Loops of a kernel have parts of it, by the cycles that are expected in them.
     """
 
     least_s: float
@@ -172,6 +176,8 @@ class Patience:
     turn_s: float
     first_proof_s: float
     proof_s: float
+    quits: bool = False
+    shared: bool = False
 
 
 PATIENCES: Final = {
@@ -179,6 +185,18 @@ PATIENCES: Final = {
         0.5, 1 / 4, good=1 / 8, near=0.0, large=1.0, turn_s=0.5, first_proof_s=0.0, proof_s=0.0
     ),
     "normal": Patience(
+        least_s=2.5,
+        factor=1 / 2,
+        good=1 / 8,
+        near=1 / 5,
+        large=1.0,
+        turn_s=0.5,
+        first_proof_s=0.2,
+        proof_s=0.5,
+        quits=True,
+        shared=True,
+    ),
+    "thorough": Patience(
         least_s=6.0,
         factor=1.0,
         good=1 / 8,
@@ -189,12 +207,12 @@ PATIENCES: Final = {
         proof_s=1.25,
     ),
 }
-"""Of requests that are not to prove. "normal": of 138 searches of PolyBench's loops and the slowest
-of `kernels/` 12 got a better mapping near the bound, after 0.8 s of effort without one at most
-(heat-3d), and none in the 0.9 s after that; 7 farther above it, after 1.7 s at most, where half of
-them took 3.0 when moves of the annealer took longer. "fast": a loop of 278 operations (bound 18)
-that maps at 26 in 16 s took 61 s with a factor of 1, and mapped at 24. Proofs: 1 of 14 came to one,
-in 0.9 s, none in half a second.
+"""Of requests that are not to prove. "thorough": of 138 searches of PolyBench's loops and the
+slowest of `kernels/` 12 got a better mapping near the bound, after 0.8 s of effort without one at
+most (heat-3d), and none in the 0.9 s after that; 7 farther above it, after 1.7 s at most, where
+half of them took 3.0 when moves of the annealer took longer. "fast": a loop of 278 operations
+(bound 18) that maps at 26 in 16 s took 61 s with a factor of 1, and mapped at 24. Proofs: 1 of 14
+came to one, in 0.9 s, none in half a second.
 """
 PROVED_GRAPH: Final = 150
 """Operations from which on, unless it is to prove, the bound is not refuted by a schedule without

@@ -6,6 +6,7 @@ from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass, replace
 
 from vividc.mapper.bounds.straight import end_after_start
+from vividc.mapper.mapping import Mapping
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.resources.banks import NO_MEETINGS, Meetings
 from vividc.mapper.resources.dependences import Dependence, dependences, earliest_starts
@@ -24,11 +25,14 @@ class Frame:
         The latest start of each node.
     meetings
         Accesses that should be in different slots.
+    origin
+        A mapping at the same II, where to begin instead, which takes a quarter of the moves.
     """
 
     begin: ReadOnly[int, int]
     last: ReadOnly[int, int]
     meetings: Meetings = NO_MEETINGS
+    origin: Mapping | None = None
 
 
 def loose_frame(problem: MapProblem, ii: int, meetings: Meetings = NO_MEETINGS) -> Frame | None:

@@ -55,7 +55,6 @@ def negotiate(
     frame: Frame | None = None,
 ) -> Mapping | None:
     """A mapping at `ii` in the `frame`, without one in a loose one; or None, which refutes nothing.
-
     Trials are shared out among so many `sides`, each with a seed of its own, that go on in step.
     Deterministic for a seed and so many sides; threads only make it faster.
     """
@@ -110,7 +109,11 @@ class Negotiation:
         self.places = new_places(self.task, seed)
         self.words = new_words(self.task)
         self.cooling = tuning.SHOWN if self.task.array.moves else tuning.FREELY
-        self._put(frame.begin)
+        self.warm = frame.origin is not None
+        if frame.origin is None:
+            self._put(frame.begin)
+        else:
+            self._put_as(frame.origin, frame.last)
         latest = max(frame.last.values(), default=0)
         self.cycles = latest + int(self.task.edges.ahead.max(initial=0)) + 1
         sinks = int(np.diff(self.task.edges.sink_begin).max(initial=0))
@@ -128,11 +131,21 @@ class Negotiation:
         pes = nodes.pe_items[first + np.arange(len(self.ids)) % choices]
         lie_all(self.task, self.places, pes, ints(start[name] for name in self.ids))
 
+    def _put_as(self, origin: Mapping, last: ReadOnly[int, int]) -> None:
+        """Have nodes be where they are in a mapping, or as late as the frame lets them."""
+        places = [origin.places[name] for name in self.ids]
+        times = [min(place.time, last[name]) for place, name in zip(places, self.ids, strict=True)]
+        lie_all(self.task, self.places, ints(place.pe for place in places), ints(times))
+
     def run(self, effort: Effort, deadline: Deadline) -> Steps[Mapping | None]:
         """Try until a mapping is found or all trials have failed."""
         times = effort.shown if self.task.array.moves else 1
         for _ in range(effort.trials):
-            if (yield from self._anneal(effort.moves * len(self.ids) * times, deadline)):
+            if (
+                yield from self._anneal(
+                    effort.moves * len(self.ids) * times, effort.quits, deadline
+                )
+            ):
                 mapping = yield from self._routed(effort, deadline)
                 if mapping is not None:
                     return mapping
@@ -140,20 +153,21 @@ class Negotiation:
                 return None
         return None
 
-    def _anneal(self, moves: int, deadline: Deadline) -> Steps[bool]:
+    def _anneal(self, moves: int, quits: bool, deadline: Deadline) -> Steps[bool]:
         """Anneal from where nodes are, and again less hot where little is left broken; True when
         nothing is in the end but what moves of words break.
         """
         task, places, words = self.task, self.places, self.words
         show_all(task, places, words)
-        for part in (1.0, *self.cooling.again):
-            yield from self._cool(part, int(moves * part**0.5), deadline)
+        first = self.cooling.warm if self.warm else 1.0
+        for part in (first, *self.cooling.again):
+            yield from self._cool(part, int(moves * part**0.5), quits, deadline)
             if not 0 < broken(task, places) <= tuning.LITTLE:
                 break
         hide_all(task, places, words)
         return broken(task, places) == 0
 
-    def _cool(self, part: float, moves: int, deadline: Deadline) -> Steps[None]:
+    def _cool(self, part: float, moves: int, quits: bool, deadline: Deadline) -> Steps[None]:
         """Anneal once, from a part of the heat. Where moves are claimed, what crowds nothing any
         more is only quenched, so that words wait less: registers are not claimed.
         """
@@ -166,10 +180,17 @@ class Negotiation:
             done += tuning.SLICE
             move_s = tuning.SHOWN_MOVE_S if self.task.array.moves else tuning.MOVE_S
             yield self.density * moves_now * move_s
+            if quits and not self.task.array.moves and self._is_frozen(float(heat.value[0])):
+                break
             if not quenched and broken(self.task, self.places) == 0:
                 quenched, end = True, min(end, done + int(tuning.QUENCH * moves))
                 hot = min(float(heat.value[0]), tuning.QUENCH_HOT)
                 heat = new_heat(hot, tuning.QUENCH_COLD, end - done)
+
+    def _is_frozen(self, heat: float) -> bool:
+        """Whether what is broken at this heat stays so."""
+        left = broken(self.task, self.places)
+        return any(heat <= hot and left >= least for hot, least in tuning.FROZEN)
 
     def _routed(self, effort: Effort, deadline: Deadline) -> Steps[Mapping | None]:
         """Route and name registers; where a file's words fit but have no allocation, again with

@@ -114,7 +114,8 @@ class Programs:
         return self._key(file, function, self._all_options(kernel, options))
 
     def _all_options(self, kernel: str, options: Options) -> Options:
-        return {"time_limit_s": self.mapping_s, **self.common, **options_of(kernel), **options}
+        usual: Options = {"time_limit_s": self.mapping_s, "effort": "thorough", **self.common}
+        return {**usual, **options_of(kernel), **options}
 
     @property
     def late(self) -> tuple[str, ...]:
