@@ -7,6 +7,7 @@ from __future__ import annotations
 from copy import deepcopy
 from dataclasses import replace
 
+import islpy as isl
 import numpy as np
 import pytest
 
@@ -137,6 +138,35 @@ def test_what_isl_has_no_time_for_is_assumed(operations: int) -> None:
     found = Meetings(function, loop, operations).between(load, store, now=True)
     assert found in (Distances(0, 1, assumed=True), Distances(0, None, assumed=True))
     assert Meetings(function, loop).between(load, store, now=True).earlier is None
+
+
+def test_a_pair_has_fewer_operations_the_more_isl_has_given_up_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    function = normalize(k.by_three.lower())
+    (loop,) = find_loops(function)
+    load, store = (
+        Place(instr, block.name)
+        for block in function.blocks
+        for instr in block.instrs
+        if instr.op in MEMORY
+    )
+    given: list[int] = []
+    answers = iter([False, True, False, False, False, True, False])
+
+    def ends(*_: object) -> Distances:
+        given.append(isl.DEFAULT_CONTEXT.get_max_operations())
+        if next(answers):
+            return Distances(3)
+        raise isl.Error("no operations are left")
+
+    monkeypatch.setattr(Meetings, "_ends", ends)
+    meetings = Meetings(function, loop, 8000)
+    for number in range(7):
+        other = replace(store, instr=replace(store.instr, id=1000 + number))
+        answered = meetings.between(load, other, now=True)
+        assert answered == (Distances(3) if number in (1, 5) else Distances(0, 1, assumed=True))
+    assert given == [8000, 4000, 4000, 2000, 1000, 1000, 1000]
 
 
 def test_isl_gives_up_on_the_strides_of_parts_with_clipped_lengths() -> None:
