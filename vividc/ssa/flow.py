@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import Final
 
 import networkx as nx
 
@@ -25,26 +27,52 @@ class Loop:
     exits: tuple[tuple[str, str], ...]
 
 
+_MOST_PATHS: Final = 8
+"""Control flows that are kept: of the last functions that were looked at."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Paths:
+    """The control flow of functions, which most passes leave as it is: names of blocks, each with
+    those behind it. What follows from it is found out once for all these functions.
+    """
+
+    successors: Mapping[str, tuple[str, ...]]
+
+    @property
+    def entry(self) -> str:
+        """The block that a function begins with."""
+        return next(iter(self.successors))
+
+
 @once_each
+def _paths(function: Function) -> _Paths:
+    time_limit.step("control flow was analysed")
+    return _with_successors(tuple((b.name, b.branch.successors) for b in function.blocks))
+
+
+@lru_cache(_MOST_PATHS)
+def _with_successors(successors: tuple[tuple[str, tuple[str, ...]], ...]) -> _Paths:
+    return _Paths(dict(successors))
+
+
 def block_graph(function: Function) -> nx.DiGraph[str]:
     """Control flow between the blocks that can be reached from the entry."""
-    after = _successors(function)
+    return _block_graph(_paths(function))
+
+
+@once_each
+def _block_graph(paths: _Paths) -> nx.DiGraph[str]:
     graph: nx.DiGraph[str] = nx.DiGraph()
-    graph.add_node(function.blocks[0].name)
-    graph.add_edges_from((name, target) for name in _met(function) for target in after[name])
+    graph.add_node(paths.entry)
+    after = paths.successors
+    graph.add_edges_from((name, target) for name in _met(paths) for target in after[name])
     return nx.freeze(graph)
 
 
-@once_each
-def _successors(function: Function) -> Mapping[str, tuple[str, ...]]:
-    """The blocks behind each block, in the order of its branch."""
-    time_limit.step("control flow was analysed")
-    return {block.name: block.branch.successors for block in function.blocks}
-
-
-def _met(function: Function) -> Iterator[str]:
+def _met(paths: _Paths) -> Iterator[str]:
     """The blocks that can be reached, the newest that was met first."""
-    after, work = _successors(function), [function.blocks[0].name]
+    after, work = paths.successors, [paths.entry]
     met = set(work)
     while work:
         name = work.pop()
@@ -56,9 +84,9 @@ def _met(function: Function) -> Iterator[str]:
 
 
 @once_each
-def _reverse_postorder(function: Function) -> tuple[str, ...]:
+def _reverse_postorder(paths: _Paths) -> tuple[str, ...]:
     """The blocks that can be reached, each before those behind it but along back edges."""
-    after, entry = _successors(function), function.blocks[0].name
+    after, entry = paths.successors, paths.entry
     met, order = {entry}, []
     work = [(entry, iter(after[entry]))]
     while work:
@@ -73,25 +101,32 @@ def _reverse_postorder(function: Function) -> tuple[str, ...]:
     return tuple(reversed(order))
 
 
-@once_each
 def predecessors(function: Function) -> Mapping[str, tuple[str, ...]]:
     """The blocks that may come before each block, in block order, unreachable ones among them."""
-    time_limit.step("control flow was analysed")
-    sources_of: dict[str, list[str]] = {block.name: [] for block in function.blocks}
-    for block in function.blocks:
-        for target in dict.fromkeys(block.branch.successors):
-            sources_of[target].append(block.name)
+    return _predecessors(_paths(function))
+
+
+@once_each
+def _predecessors(paths: _Paths) -> Mapping[str, tuple[str, ...]]:
+    sources_of: dict[str, list[str]] = {name: [] for name in paths.successors}
+    for name, targets in paths.successors.items():
+        for target in dict.fromkeys(targets):
+            sources_of[target].append(name)
     return {name: tuple(sources) for name, sources in sources_of.items()}
 
 
-@once_each
 def immediate_dominators(function: Function) -> Mapping[str, str]:
     """Of each block that can be reached the nearest other one that dominates it; the entry's is
     itself (Cooper, Harvey and Kennedy 2001).
     """
-    order = _reverse_postorder(function)
+    return _immediate_dominators(_paths(function))
+
+
+@once_each
+def _immediate_dominators(paths: _Paths) -> Mapping[str, str]:
+    order, before = _reverse_postorder(paths), _predecessors(paths)
     place = {name: number for number, name in enumerate(order)}
-    sources = [[place[s] for s in predecessors(function)[name] if s in place] for name in order]
+    sources = [[place[s] for s in before[name] if s in place] for name in order]
     nearest = [0, *[-1] * (len(order) - 1)]
     changes = True
     while changes:
@@ -116,26 +151,34 @@ def _common(nearest: Sequence[int], one: int, other: int) -> int:
     return one
 
 
-@once_each
 def dominators(function: Function) -> Mapping[str, frozenset[str]]:
     """The blocks that dominate each block that can be reached, itself included."""
+    return _dominators(_paths(function))
+
+
+@once_each
+def _dominators(paths: _Paths) -> Mapping[str, frozenset[str]]:
     result: dict[str, frozenset[str]] = {}
-    for name, above in immediate_dominators(function).items():
+    for name, above in _immediate_dominators(paths).items():
         result[name] = result.get(above, frozenset()) | {name}
     return result
 
 
-@once_each
 def find_loops(function: Function) -> tuple[Loop, ...]:
     """All natural loops, innermost first (fewest blocks), then in block order."""
-    after, above = _successors(function), dominators(function)
+    return _loops(_paths(function))
+
+
+@once_each
+def _loops(paths: _Paths) -> tuple[Loop, ...]:
+    above = _dominators(paths)
     latches: dict[str, dict[str, None]] = {}
-    for block in function.blocks:
-        for target in after[block.name] if block.name in above else ():
-            if target in above[block.name]:
-                latches.setdefault(target, {})[block.name] = None
-    order = {block.name: index for index, block in enumerate(function.blocks)}
-    loops = [_loop(function, order, header, tuple(ends)) for header, ends in latches.items()]
+    for name, targets in paths.successors.items():
+        for target in targets if name in above else ():
+            if target in above[name]:
+                latches.setdefault(target, {})[name] = None
+    order = {name: index for index, name in enumerate(paths.successors)}
+    loops = [_loop(paths, order, header, tuple(ends)) for header, ends in latches.items()]
     return tuple(sorted(loops, key=lambda loop: (len(loop.blocks), order[loop.header])))
 
 
@@ -160,11 +203,11 @@ def blocks_of_pipelined_loops(function: Function) -> frozenset[str]:
 
 
 def _loop(
-    function: Function, order: Mapping[str, int], header: str, latches: tuple[str, ...]
+    paths: _Paths, order: Mapping[str, int], header: str, latches: tuple[str, ...]
 ) -> Loop:
     """`order`: the place of each block."""
-    sources, after = predecessors(function), _successors(function)
-    reached = dominators(function)
+    sources, after = _predecessors(paths), paths.successors
+    reached = _dominators(paths)
     body = {header}
     work = [latch for latch in latches if latch != header]
     while work:
@@ -220,8 +263,9 @@ class Flow:
 @once_each
 def flow_of(function: Function) -> Flow:
     """Dominators and loops of a function without unreachable blocks."""
-    entry, order = function.blocks[0].name, _reverse_postorder(function)
-    bodies = {loop.header: loop.blocks for loop in find_loops(function)}
+    paths = _paths(function)
+    order = _reverse_postorder(paths)
+    bodies = {loop.header: loop.blocks for loop in _loops(paths)}
     loops = {name: bodies[name] for name in order if name in bodies}
-    idom = immediate_dominators(function)
-    return Flow(entry, order, _successors(function), predecessors(function), idom, loops)
+    idom = _immediate_dominators(paths)
+    return Flow(paths.entry, order, paths.successors, _predecessors(paths), idom, loops)

@@ -73,18 +73,37 @@ def join_entries(function: Function, read: Mapping[str, Collection[Value]]) -> E
         By header of each pipelined loop: values that it reads besides those that its blocks name.
     """
     headers = [loop.header for loop in find_loops(function)]
+    reads = _Reads()
     apart = {loop.header for loop in pipelined_loops(function)}
     values: dict[str, tuple[Phi, ...]] = {}
     for header in headers:
         loop = next(item for item in find_loops(function) if item.header == header)
-        ends = None if header in apart else _ends(function, loop, read)
+        ends = None if header in apart else _ends(function, loop, read, reads)
         if ends is not None:
-            function = _inverted(function, ends)
+            function = _inverted(function, ends, reads)
             if _is_ready(function, ends):
-                function, values[ends.first] = _prepared(function, ends, read)
+                function, values[ends.first] = _prepared(function, ends, read, reads)
     blocks = ((function.by_name[name], phis) for name, phis in values.items())
     empty = (replace(b, phis=(*b.phis, *phis), instrs=()) for b, phis in blocks)
     return Entries(with_blocks(function, empty), function, frozenset(values))
+
+
+class _Reads:
+    """Ids of the values that a block reads, found out once for each: most blocks of a long kernel
+    stay as they are while one loop after the other is inverted.
+    """
+
+    def __init__(self) -> None:
+        self._of: dict[int, tuple[Block, frozenset[int]]] = {}
+        """By the identity of the block, which is kept so that no other one gets it."""
+
+    def of(self, block: Block) -> frozenset[int]:
+        """Of one block, its phis and its branch included."""
+        known = self._of.get(id(block))
+        if known is None:
+            ids = frozenset(v.id for v in read_values(block) if isinstance(v, Ref))
+            known = self._of[id(block)] = block, ids
+        return known[1]
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +118,9 @@ class _Ends:
     after: str
 
 
-def _ends(function: Function, loop: Loop, read: Mapping[str, Collection[Value]]) -> _Ends | None:
+def _ends(
+    function: Function, loop: Loop, read: Mapping[str, Collection[Value]], reads: _Reads
+) -> _Ends | None:
     """The ends of a loop that can be inverted."""
     header = function.by_name[loop.header]
     targets = header.branch.successors
@@ -118,7 +139,7 @@ def _ends(function: Function, loop: Loop, read: Mapping[str, Collection[Value]])
         predecessors(function)[name] == (header.name,) and not function.by_name[name].phis
         for name in (ends.first, ends.after)
     )
-    return ends if jumps and alone and _splits(function, ends, read) else None
+    return ends if jumps and alone and _splits(function, ends, read, reads) else None
 
 
 def _is_small(header: Block) -> bool:
@@ -126,14 +147,16 @@ def _is_small(header: Block) -> bool:
     return len(header.instrs) <= _MOST_IN_A_TEST and not expanded
 
 
-def _splits(function: Function, ends: _Ends, read: Mapping[str, Collection[Value]]) -> bool:
+def _splits(
+    function: Function, ends: _Ends, read: Mapping[str, Collection[Value]], reads: _Reads
+) -> bool:
     """Whether each use of the header's values is in the loop or behind it, and those behind it are
     in straight code, where they can be renamed.
     """
     own = defined_types(ends.header)
     above = dominators(function)
     pipelined = blocks_of_pipelined_loops(function)
-    for _, reader, at in _uses(function, own):
+    for _, reader, at in _uses(function, own, reads):
         if at == ends.header.name or ends.first in above[at]:
             continue
         if ends.after not in above[at] or reader in pipelined:
@@ -142,11 +165,15 @@ def _splits(function: Function, ends: _Ends, read: Mapping[str, Collection[Value
     return not any(isinstance(v, Ref) and v.id in own for loop in behind for v in read[loop])
 
 
-def _uses(function: Function, own: Collection[int]) -> Iterator[tuple[int, str, str]]:
+def _uses(
+    function: Function, own: Collection[int], reads: _Reads
+) -> Iterator[tuple[int, str, str]]:
     """The value, the block that reads it, and the same block again, or in a phi the one at whose
     end it is read, of each use of values of one's own.
     """
     for block in function.blocks:
+        if reads.of(block).isdisjoint(own):
+            continue
         for phi in block.phis:
             for source, value in phi.incoming:
                 if isinstance(value, Ref) and value.id in own:
@@ -160,7 +187,7 @@ def _uses(function: Function, own: Collection[int]) -> Iterator[tuple[int, str, 
                 yield value.id, block.name, block.name
 
 
-def _inverted(function: Function, ends: _Ends) -> Function:
+def _inverted(function: Function, ends: _Ends, reads: _Reads) -> Function:
     """The header's test at the ends of its predecessors; an iteration computes again what it had
     from the header, so that it is known what that is.
     """
@@ -169,13 +196,15 @@ def _inverted(function: Function, ends: _Ends) -> Function:
     copies = {source: _copy(header, source, fresh) for source in ends.sources}
     above = dominators(function)
     types = defined_types(header)
-    behind = {ident for ident, _, at in _uses(function, types) if ends.after in above[at]}
+    behind = {ident for ident, _, at in _uses(function, types, reads) if ends.after in above[at]}
     renamed: dict[int, Value] = {i: Ref(fresh("behind", i)) for i in types if i in behind}
     blocks = []
     for block in function.blocks:
         if block.name == header.name:
             continue
-        edited = _with_behind(block, above, ends.after, renamed)
+        edited = block
+        if not reads.of(block).isdisjoint(renamed):
+            edited = _with_behind(block, above, ends.after, renamed)
         if block.name in copies:
             branch = copies[block.name].branch
             edited = replace(edited, instrs=(*block.instrs, *copies[block.name].instrs))
@@ -258,7 +287,7 @@ def _is_ready(function: Function, ends: _Ends) -> bool:
 
 
 def _prepared(
-    function: Function, ends: _Ends, read: Mapping[str, Collection[Value]]
+    function: Function, ends: _Ends, read: Mapping[str, Collection[Value]], reads: _Reads
 ) -> tuple[Function, tuple[Phi, ...]]:
     """What the block before an inner loop does, at the ends of its predecessors as well, and the
     phis that stand for its values then.
@@ -266,8 +295,9 @@ def _prepared(
     fresh = FreshIds(function)
     first = function.by_name[ends.first]
     copies = {source: _copy(first, source, fresh) for source in ends.sources}
+    made = {instr.id for instr in first.instrs}
     others = (block for block in function.blocks if block.name != first.name)
-    used = {v.id for block in others for v in read_values(block) if isinstance(v, Ref)}
+    used = frozenset().union(*(reads.of(block).intersection(made) for block in others))
     used |= {v.id for phi in first.phis for _, v in phi.incoming if isinstance(v, Ref)}
     used |= {value.id for values in read.values() for value in values if isinstance(value, Ref)}
     types = {instr.id: instr.type for instr in first.instrs if instr.id in used}
