@@ -202,9 +202,7 @@ def blocks_of_pipelined_loops(function: Function) -> frozenset[str]:
     return frozenset(name for loop in pipelined_loops(function) for name in loop.blocks)
 
 
-def _loop(
-    paths: _Paths, order: Mapping[str, int], header: str, latches: tuple[str, ...]
-) -> Loop:
+def _loop(paths: _Paths, order: Mapping[str, int], header: str, latches: tuple[str, ...]) -> Loop:
     """`order`: the place of each block."""
     sources, after = _predecessors(paths), paths.successors
     reached = _dominators(paths)

@@ -171,9 +171,7 @@ def _uses(
     """The value, the block that reads it, and the same block again, or in a phi the one at whose
     end it is read, of each use of values of one's own.
     """
-    for block in function.blocks:
-        if reads.of(block).isdisjoint(own):
-            continue
+    for block in (one for one in function.blocks if not reads.of(one).isdisjoint(own)):
         for phi in block.phis:
             for source, value in phi.incoming:
                 if isinstance(value, Ref) and value.id in own:
