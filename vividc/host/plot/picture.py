@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Literal
 
-from PIL import ImageFont
-
 from vividc.host.plot.colours import INK
+
+if TYPE_CHECKING:
+    from PIL import ImageFont
 
 Anchor = Literal["start", "middle", "end"]
 
@@ -98,6 +99,8 @@ def text_width(text: str, size: float) -> float:
 @lru_cache(maxsize=64)
 def font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
     """The font of `size` pixels that Pillow brings along."""
+    from PIL import ImageFont  # noqa: PLC0415 - not for those who draw nothing
+
     return ImageFont.load_default(size)
 
 

@@ -5,13 +5,15 @@ from __future__ import annotations
 import io
 import math
 from itertools import pairwise
-
-from PIL import Image, ImageDraw
+from typing import TYPE_CHECKING
 
 from vividc.errors import VividcError
 from vividc.host.plot.colours import PAPER
 from vividc.host.plot.geometry import arrow_head, shaft
 from vividc.host.plot.picture import Circle, Line, Picture, Rect, Shape, Text, font
+
+if TYPE_CHECKING:
+    from PIL import Image, ImageDraw
 
 _OVERSAMPLE = 2
 _MAX_PIXELS = 150_000_000
@@ -46,6 +48,8 @@ def to_image(picture: Picture, scale: float = 2.0) -> Image.Image:
             f"a picture of {picture.width:.0f} x {picture.height:.0f} points is too large for PNG",
             hint="write it as SVG, to a name that ends in .svg",
         )
+    from PIL import Image, ImageDraw  # noqa: PLC0415 - not for those who draw nothing
+
     factor = scale * _OVERSAMPLE
     size = (math.ceil(picture.width * factor), math.ceil(picture.height * factor))
     image = Image.new("RGB", size, PAPER)

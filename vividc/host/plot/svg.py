@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from xml.sax.saxutils import escape, quoteattr
+from html import escape
 
 from vividc.host.plot.colours import PAPER
 from vividc.host.plot.geometry import arrow_head, shaft
@@ -20,7 +20,7 @@ def to_svg(picture: Picture) -> str:
     width, height = _number(picture.width), _number(picture.height)
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '
-        f'viewBox="0 0 {width} {height}" font-family={quoteattr(_FONT)}>'
+        f'viewBox="0 0 {width} {height}" font-family="{escape(_FONT)}">'
     ]
     if picture.title:
         lines.append(f"<title>{_text(picture.title)}</title>")
@@ -82,7 +82,7 @@ def _paint(fill: str | None, stroke: str | None, width: float) -> str:
 
 def _text(text: str) -> str:
     """Escaped, without what XML cannot hold at all."""
-    return escape(_NOT_XML.sub("\ufffd", text))
+    return escape(_NOT_XML.sub("\ufffd", text), quote=False)
 
 
 def _number(value: float) -> str:
