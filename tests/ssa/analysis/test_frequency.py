@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
+from random import Random
+
+import numpy as np
 import pytest
 
 from tests.programs import For, If, Load, Store, lower
-from vividc.ssa.analysis.frequency import SINGLE_LOOP_TRIPS, expected_trips, frequencies
+from vividc.ssa.analysis.frequency import (
+    SINGLE_LOOP_TRIPS,
+    expected_trips,
+    frequencies,
+    runs_of,
+)
 from vividc.ssa.flow import find_loops
 from vividc.ssa.rewrite.tidy import tidy
 from vividc.ssa.text import parse
@@ -96,3 +104,42 @@ def test_sizes_that_are_compared_agree(test: str, runs: float) -> None:
 
 def test_unknown_loops_get_an_assumed_length() -> None:
     assert SINGLE_LOOP_TRIPS > 1
+
+
+def _shares(random: Random, size: int) -> dict[str, dict[str, float]]:
+    """How often blocks go to any others, themselves among them, and to none."""
+    names = [f"b{number}" for number in range(size)]
+    shares: dict[str, dict[str, float]] = {}
+    for name in names:
+        targets = random.sample(names, min(size, random.choice((0, 1, 1, 2))))
+        given = [random.uniform(0.1, 1.0) for _ in targets]
+        whole = sum(given) / random.choice((1.0, 0.9))
+        shares[name] = {t: g / whole for t, g in zip(targets, given, strict=True)}
+    return shares
+
+
+def test_blocks_run_as_often_as_others_go_to_them() -> None:
+    random = Random(3)
+    ended = 0
+    for _ in range(300):
+        shares = _shares(random, random.randint(1, 12))
+        names = list(shares)
+        flow = np.eye(len(names))
+        for name, targets in shares.items():
+            for target, share in targets.items():
+                flow[names.index(target), names.index(name)] -= share
+        if np.linalg.cond(flow) > 1e6:
+            continue
+        expected = np.linalg.solve(flow, np.eye(len(names))[0])
+        assert list(runs_of(shares).values()) == pytest.approx(list(expected), rel=1e-9, abs=1e-9)
+        ended += 1
+    assert ended > 150
+
+
+def test_blocks_are_all_1_where_a_loop_has_no_end() -> None:
+    assert runs_of({"a": {"b": 1.0}, "b": {"c": 1.0}, "c": {"b": 1.0}}) == {
+        "a": 1.0,
+        "b": 1.0,
+        "c": 1.0,
+    }
+    assert runs_of({"a": {"a": 1.0}}) == {"a": 1.0}

@@ -7,8 +7,6 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import Final
 
-import numpy as np
-
 from vividc.host.once import once_each
 from vividc.machine.opcodes import Opcode
 from vividc.ssa.analysis.constant_trips import constant_trips
@@ -37,6 +35,9 @@ _DEEPEST: Final = 8
 """Operations that a size is followed through."""
 
 _MOST_EVALUATED = 64
+
+_ENDLESS: Final = 1e-12
+"""A loop that is left less often has no end."""
 
 NO_CHANCES: Final[Mapping[str, float]] = MappingProxyType({})
 NO_TRIPS: Final[Mapping[str, float]] = MappingProxyType({})
@@ -95,20 +96,45 @@ def _solved(
 ) -> Mapping[str, float]:
     """As `frequencies`: whoever maps a stage asks again and again."""
     trips, chances = dict(known_trips), dict(known_chances)
-    index = {block.name: number for number, block in enumerate(function.blocks)}
-    flow = np.eye(len(index))
     loops = find_loops(function)
     made = {item.id: item for block in function.blocks for item in block.instrs}
-    for block in function.blocks:
-        for target, probability in _edges(block, loops, trips, chances, made):
-            flow[index[target], index[block.name]] -= probability
-    entry = np.zeros(len(index))
-    entry[0] = 1.0
-    try:
-        runs = np.linalg.solve(flow, entry)
-    except np.linalg.LinAlgError:
-        runs = np.ones(len(index))
-    return {name: float(runs[number]) for name, number in index.items()}
+    return runs_of(
+        {block.name: dict(_edges(block, loops, trips, chances, made)) for block in function.blocks}
+    )
+
+
+def runs_of(shares: Mapping[str, Mapping[str, float]]) -> dict[str, float]:
+    """Runs of each block for one of the first, where `shares` says how often one goes to others.
+
+    One block after the other is taken out, the last first, and what goes to it goes on to what is
+    behind it. There is little of either: a matrix of all blocks takes far longer to solve.
+    """
+    after = {name: dict(targets) for name, targets in shares.items()}
+    entry, *others = after
+    before: dict[str, dict[str, None]] = {name: {} for name in after}
+    for name, targets in after.items():
+        for target in targets:
+            before[target][name] = None
+    taken: list[tuple[str, float, list[tuple[str, float]]]] = []
+    for name in reversed(others):
+        behind = after.pop(name)
+        ends = 1.0 - behind.pop(name, 0.0)
+        if ends < _ENDLESS:
+            return dict.fromkeys((entry, *others), 1.0)
+        sources = [(one, after[one].pop(name)) for one in before.pop(name) if one != name]
+        for target, share in behind.items():
+            del before[target][name]
+            before[target] |= dict.fromkeys(one for one, _ in sources)
+            for one, chance in sources:
+                after[one][target] = after[one].get(target, 0.0) + chance * share / ends
+        taken.append((name, ends, sources))
+    ends = 1.0 - after[entry].get(entry, 0.0)
+    if ends < _ENDLESS:
+        return dict.fromkeys((entry, *others), 1.0)
+    runs = {entry: 1.0 / ends}
+    for name, ends, sources in reversed(taken):
+        runs[name] = sum(runs[one] * chance for one, chance in sources) / ends
+    return runs
 
 
 def _edges(
