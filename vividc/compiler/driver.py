@@ -13,15 +13,12 @@ from vividc import arch
 from vividc.arch import Accelerator
 from vividc.arch.fabric import Fabric
 from vividc.compiler.kept_programs import Place, place_of
-from vividc.compiler.nests import with_nests
 from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.estimate import Estimator, Spaces
 from vividc.compiler.planning.explain import loop_reports
 from vividc.compiler.planning.fallback import HASTY, Budget, Outcome, settle
 from vividc.compiler.planning.options import FlatLoopOptions, LoopOptions, loop_options
 from vividc.compiler.planning.plan import Plan, Stage
-from vividc.compiler.price import priced
-from vividc.compiler.products import demanded_products, forbidden, with_products
 from vividc.compiler.regions.earlier import Earlier
 from vividc.compiler.regions.map_regions import (
     guarded,
@@ -41,10 +38,10 @@ from vividc.errors import (
 )
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.frontend.like import Like
-from vividc.gemm.kernels.choice import AUTO, GPU, check_kernel_mode
 from vividc.host import compiled_files, time_limit, watch
 from vividc.host.watch import run_passes, seldom, timed, watched
 from vividc.machine.parallel import Parallel
+from vividc.machine.product import AUTO, GPU, Products
 from vividc.mapper import EffortLevel, check_effort, check_time_limit
 from vividc.mapper.deadline import limited
 from vividc.mapper.registry import named
@@ -138,7 +135,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     demand_type(cache, bool, "cache", "give True or False")
     demand_callable(progress, "progress")
     check_effort(effort)
-    check_kernel_mode(mode)
+    _check_mode(mode)
     wanted = loop_options(loops, flat)
     options = CompileOptions(
         mapper=mapper,
@@ -191,19 +188,13 @@ def _compiled(
             return compile_stages(nest, machine, shared, frozenset(), "all", trips)
 
     if program is None:
-        reason = forbidden(options.contract, options.precision)
-        products = demanded_products(kernel, loaded, mode, reason, strict_fp)
+        products = _demanded(kernel, loaded, options, mode)
         spaces: Spaces = "none" if isinstance(loaded, Accelerator) else "paying"  # moved end to end
         program = compile_stages(function, machine, options, lines, spaces)
         everything = (*told, *program.warnings)
         program = replace(program, warnings=everything, parallel=parallel, products=products)
         if isinstance(loaded, Accelerator):
-            program = replace(priced(program, loaded), accelerator=loaded.source)
-            if mode in (AUTO, GPU):
-                again = watch.untold(lambda: kernel.lower(strict_fp=strict_fp))
-                program = with_nests(program, again, parallel, one)
-                if mode == AUTO and products is None and not reason:
-                    program = with_products(program, again, loaded)
+            program = _of_accelerator(program, kernel, loaded, options, mode, one)
         place.write(program)
     warned = tuple(
         dict.fromkeys((*told, *program.warnings))
@@ -211,6 +202,51 @@ def _compiled(
     for text in warned[len(told) :]:
         warn(text)
     return replace(program, warnings=warned)
+
+
+def _check_mode(mode: str) -> None:
+    if mode != AUTO:
+        from vividc.gemm.kernels.choice import check_kernel_mode  # noqa: PLC0415 - loads launches
+
+        check_kernel_mode(mode)
+
+
+def _demanded(
+    kernel: KernelFunction | LLKernel,
+    loaded: Fabric | Accelerator,
+    options: CompileOptions,
+    mode: str,
+) -> Products | None:
+    """The matrix products that the kernel is made of, for an accelerator."""
+    if mode == AUTO and not isinstance(loaded, Accelerator):
+        return None
+    from vividc.compiler.products import demanded_products, forbidden  # noqa: PLC0415
+
+    reason = forbidden(options.contract, options.precision)
+    return demanded_products(kernel, loaded, mode, reason, options.strict_fp)
+
+
+def _of_accelerator(
+    program: Program,
+    kernel: KernelFunction | LLKernel,
+    machine: Accelerator,
+    options: CompileOptions,
+    mode: str,
+    one: Callable[[Function, Mapping[str, float], float], Program],
+) -> Program:
+    """The program with what launches on an accelerator may choose; `one` compiles a nest."""
+    from vividc.compiler.nests import with_nests  # noqa: PLC0415 - these load launches
+    from vividc.compiler.price import priced  # noqa: PLC0415
+    from vividc.compiler.products import forbidden, with_products  # noqa: PLC0415
+
+    products = program.products
+    program = replace(priced(program, machine), accelerator=machine.source)
+    if mode in (AUTO, GPU):
+        again = watch.untold(lambda: kernel.lower(strict_fp=options.strict_fp))
+        program = with_nests(program, again, program.parallel, one)
+        if mode == AUTO and products is None and not forbidden(options.contract, options.precision):
+            program = with_products(program, again, machine)
+    return program
 
 
 def checked(

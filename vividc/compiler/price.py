@@ -8,11 +8,11 @@ from typing import Final
 
 from vividc.arch import Accelerator
 from vividc.errors import ArgumentError
-from vividc.gemm.kernels.choice import AUTO, assumed_arrays, assumed_words
+from vividc.gemm.kernels.choice import assumed_arrays, assumed_words
 from vividc.gemm.kernels.sequence import Launch, Unfit
 from vividc.launch import Job, nests_job, spread
 from vividc.machine.parallel import Order
-from vividc.machine.product import ENDLESS, Products
+from vividc.machine.product import AUTO, ENDLESS, Products
 from vividc.program import Program
 
 _SIZES: Final = (32, 32, 32)

@@ -8,10 +8,9 @@ from vividc.arch import Accelerator, Fabric
 from vividc.compiler.price import priced
 from vividc.errors import KernelError, TimeLimit, warn
 from vividc.frontend import KernelFunction, LLKernel
-from vividc.gemm.kernels.choice import AUTO
 from vividc.gemm.modes import MODES
 from vividc.host.watch import untold
-from vividc.machine.product import Products
+from vividc.machine.product import AUTO, Products
 from vividc.program import CUT_SHORT, Program
 from vividc.ssa.formats.precision import Precision
 from vividc.ssa.ir import Function

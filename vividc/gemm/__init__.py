@@ -7,11 +7,25 @@ accelerator), `layer` (on numpy arrays); `blocked` (products of any size), `kern
 kernel, and their launches).
 """
 
-from vividc.gemm.job import MlpRun, choose_layout, mlp_job
-from vividc.gemm.layer import Activation, GemmResult, Layer, gemm, mlp
-from vividc.gemm.modes import FABRICS, MODES, Choice, LayerShape, Mode, Prediction, choose, predict
-from vividc.gemm.program import GemmProgram, gemm_program
-from vividc.gemm.systolic import Precision, SystolicError
+from typing import TYPE_CHECKING
+
+from vividc.host.lazy import lazily
+
+if TYPE_CHECKING:
+    from vividc.gemm.job import MlpRun, choose_layout, mlp_job
+    from vividc.gemm.layer import Activation, GemmResult, Layer, gemm, mlp
+    from vividc.gemm.modes import (
+        FABRICS,
+        MODES,
+        Choice,
+        LayerShape,
+        Mode,
+        Prediction,
+        choose,
+        predict,
+    )
+    from vividc.gemm.program import GemmProgram, gemm_program
+    from vividc.gemm.systolic import Precision, SystolicError
 
 __all__ = [
     "FABRICS",
@@ -35,3 +49,23 @@ __all__ = [
     "mlp_job",
     "predict",
 ]
+
+_HOMES = {
+    "vividc.gemm.job": ("MlpRun", "choose_layout", "mlp_job"),
+    "vividc.gemm.layer": ("Activation", "GemmResult", "Layer", "gemm", "mlp"),
+    "vividc.gemm.modes": (
+        "FABRICS",
+        "MODES",
+        "Choice",
+        "LayerShape",
+        "Mode",
+        "Prediction",
+        "choose",
+        "predict",
+    ),
+    "vividc.gemm.program": ("GemmProgram", "gemm_program"),
+    "vividc.gemm.systolic": ("Precision", "SystolicError"),
+}
+
+if not TYPE_CHECKING:  # which would take any name then
+    __getattr__, __dir__ = lazily(__name__, _HOMES)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import Final
 
 from vividc.machine.opcodes import OPCODES, Opcode
 from vividc.machine.semantics import evaluate
@@ -13,6 +14,10 @@ from vividc.machine.words import float_of, signed
 
 ROW, COL, INNER = range(3)
 """Coordinates of a step: of its result, and of the sum."""
+
+AUTO: Final = "auto"
+GPU: Final = "gpu"
+"""Modes of a kernel besides the TPU-like ones: what is predicted to be best, and on the tiles."""
 
 ENDLESS = 1e15
 """Cycles of what cannot be run: a number that a file can hold."""

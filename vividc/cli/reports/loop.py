@@ -10,9 +10,7 @@ from vividc import arch
 from vividc.arch import Accelerator
 from vividc.cli.reports.report import print_table
 from vividc.compiler.advice.advise import LEAST_GAIN, Hint
-from vividc.compiler.products import products_of
 from vividc.frontend import KernelFunction, LLKernel
-from vividc.gemm.kernels.choice import explain
 from vividc.program import Program
 from vividc.program.tables import LoopReport, TransformReport
 
@@ -66,6 +64,9 @@ def print_product(program: Program, kernel: KernelFunction | LLKernel, fabric: s
     machine = arch.load(fabric)
     if not isinstance(machine, Accelerator):
         return
+    from vividc.compiler.products import products_of  # noqa: PLC0415 - these load launches
+    from vividc.gemm.kernels.choice import explain  # noqa: PLC0415
+
     told = explain(program, machine)
     if not told:
         found = products_of(kernel)

@@ -18,11 +18,9 @@ from vividc.gemm.modes import MODES, check_mode
 from vividc.gemm.passes import with_arrays
 from vividc.gemm.systolic import SystolicError
 from vividc.machine.params import DType
-from vividc.machine.product import ENDLESS
+from vividc.machine.product import AUTO, ENDLESS, GPU
 from vividc.program import Program
 
-AUTO: Final = "auto"
-GPU: Final = "gpu"
 ASSUMED: Final = (4096, 64, 64)
 """Rows, columns and inner indices where a launch decides them, for what is said before it."""
 

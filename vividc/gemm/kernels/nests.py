@@ -16,7 +16,7 @@ import numpy as np
 
 from vividc.arch import Accelerator
 from vividc.errors import ArchError
-from vividc.gemm.kernels.choice import GPU, choose_for
+from vividc.gemm.kernels.choice import choose_for
 from vividc.gemm.kernels.sequence import Launch, Unfit
 from vividc.gemm.kernels.sequence import Sequence as Steps
 from vividc.gemm.modes import check_mode
@@ -24,6 +24,7 @@ from vividc.gemm.passes import with_arrays
 from vividc.gemm.systolic import SystolicError
 from vividc.launch import Job, JobResult, joined, nests_job, runs_of
 from vividc.machine.parallel import Run
+from vividc.machine.product import GPU
 from vividc.machine.words import WORD_MASK
 from vividc.program import Program
 from vividc.sim.bind import Array, arguments, named

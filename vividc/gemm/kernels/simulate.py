@@ -12,13 +12,14 @@ import numpy as np
 from vividc import arch
 from vividc.arch import Accelerator, Fabric
 from vividc.errors import ArchError, ArgumentError, demand_type
-from vividc.gemm.kernels.choice import AUTO, GPU, accelerator_of, choose_for
+from vividc.gemm.kernels.choice import accelerator_of, choose_for
 from vividc.gemm.kernels.nests import simulate_products
 from vividc.gemm.kernels.sequence import Launch, Unfit
 from vividc.gemm.kernels.sequence import Sequence as Steps
 from vividc.gemm.modes import check_mode
 from vividc.gemm.passes import with_arrays
 from vividc.launch import Job, JobResult, Spread, nests_cycles, nests_job, spread
+from vividc.machine.product import AUTO, GPU
 from vividc.program import Program
 from vividc.sim.bind import arguments
 from vividc.sim.engine import Observer, Progress
