@@ -42,7 +42,30 @@ def row_over_all(a, b, n):
     b[:] = a[n] + a[1:2]
 
 
-STRAIGHT = (stencil, whole, same_part, in_place, made, row_over_all)
+def one_operation_in_place(a, b, n):
+    b[n, 1:n] += np.float32(2) * a[n, 1:n]
+
+
+def behind_one_in_place(a, b, n):
+    b *= np.float32(2)
+    b[:, n] -= a[:, n] * a[n, n]
+
+
+def product_and_sum(a, b, n):
+    b[:4, :4] = a[:4, :4] * a[0, 0] + b[:4, :4]
+
+
+STRAIGHT = (
+    stencil,
+    whole,
+    same_part,
+    in_place,
+    made,
+    row_over_all,
+    one_operation_in_place,
+    behind_one_in_place,
+    product_and_sum,
+)
 
 
 def shifted(a, b, n):
@@ -107,7 +130,18 @@ def test_parts_are_what_numba_makes_them(function: Callable[..., object]) -> Non
         assert np.array_equal(one, other)
 
 
-@pytest.mark.parametrize("function", [stencil, whole, same_part, row_over_all])
+@pytest.mark.parametrize(
+    "function",
+    [
+        stencil,
+        whole,
+        same_part,
+        row_over_all,
+        one_operation_in_place,
+        behind_one_in_place,
+        product_and_sum,
+    ],
+)
 def test_no_array_lies_between(function: Callable[..., object]) -> None:
     locals_ = vividc.kernel(SIGNATURE)(function).lower().locals
     assert all(one.name.startswith("raise.") for one in locals_)

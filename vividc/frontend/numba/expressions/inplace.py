@@ -13,6 +13,7 @@ from typing import Any, Final
 
 from numba.core import ir, types
 from numba.core.rewrites import Rewrite, register_rewrite
+from numba.core.typing.npydecl import supported_array_operators
 
 from vividc.frontend.numba.expressions.origins import Origins, fit
 
@@ -48,7 +49,7 @@ class ExpressionsInPlace(Rewrite):  # type: ignore[misc]
         made, loc = body[at].value, body[at].loc
         first = self._expression(made.rhs, at)
         assert first is not None
-        kind, operands = self._kind(made), [made.lhs, body[first].value.expr]
+        kind, operands = self._kind(made), [made.lhs, _tree_of(body[first].value)]
         expr = ir.Expr("arrayexpr", loc, expr=(made.immutable_fn, operands), ty=kind)
         result = self._new("$inplace", kind, expr, loc)
         whole = self._whole(loc)
@@ -130,5 +131,15 @@ class ExpressionsInPlace(Rewrite):  # type: ignore[misc]
         return None
 
     def _is_expression(self, one: Any) -> bool:
-        made = one.value
-        return one.target.is_temp and isinstance(made, ir.Expr) and made.op == "arrayexpr"
+        return one.target.is_temp and _tree_of(one.value) is not None
+
+
+def _tree_of(made: Any) -> Any:
+    """The operations of an expression of arrays, as numba has them of several; None: it is none."""
+    if not isinstance(made, ir.Expr) or made.op not in ("arrayexpr", "binop", "unary"):
+        return None
+    if made.op == "arrayexpr":
+        return made.expr
+    if made.fn not in supported_array_operators:
+        return None
+    return made.fn, [made.lhs, made.rhs] if made.op == "binop" else [made.value]

@@ -17,8 +17,11 @@ _VIEWS: Final = frozenset({"T", "real", "imag"})
 _METHODS: Final = frozenset({"reshape", "transpose", "ravel", "view"})
 _MADE: Final = frozenset(
     {"zeros", "ones", "empty", "full", "arange", "zeros_like", "ones_like", "empty_like"}
-    | {"full_like", "copy", "linspace", "eye"}
+    | {"full_like", "copy", "linspace", "eye", "dot", "outer", "sum"}
 )
+_COMPUTED: Final = ("arrayexpr", "binop", "unary")
+"""Operators, whose results are arrays of their own."""
+
 _PARTS: Final = frozenset({"call", "build_tuple", "build_slice"})
 """What indices are made of."""
 
@@ -59,7 +62,7 @@ class Origins:
                 return value.index
             if self._is_made(value):
                 return var.name
-            var = value if isinstance(value, ir.Var) else self._viewed(value)
+            var = self._copied(var) or self._viewed(value)
             if var is None:
                 return None
         return None
@@ -67,7 +70,7 @@ class Origins:
     def _is_made(self, value: Any) -> bool:
         """Whether an expression is an array of its own."""
         if not isinstance(value, ir.Expr) or value.op != "call":
-            return isinstance(value, ir.Expr) and value.op == "arrayexpr"
+            return isinstance(value, ir.Expr) and value.op in _COMPUTED
         called = guard(find_callname, self._ir, value)
         return called is not None and called[1] == "numpy" and called[0] in _MADE
 
@@ -85,24 +88,30 @@ class Origins:
 
     def is_same_part(self, var: Any, store: Any) -> bool:
         """Whether an array is the part that is assigned to, element by element."""
-        value = self.only(var.name)
-        if isinstance(value, ir.Var):
-            return self.is_same_part(value, store)
+        value, other = self.only(var.name), self._copied(var)
+        if other is not None:
+            return self.is_same_part(other, store)
         if self.only(self._alias(store.target)) is None:
             return False
+        whole = isinstance(store, ir.StaticSetItem) and store.index == slice(None)
+        if whole and self._alias(var) == self._alias(store.target):
+            return True  # of a part, too, that the store goes to as a variable
         if isinstance(value, ir.Expr) and value.op in ITEMS:
             if var.name not in self.here:
                 return False  # perhaps of an earlier iteration, where its index was another
             index = value.index if value.op == "getitem" else value.index_var
             base = self._alias(value.value)
             return base == self._alias(store.target) and self._same(index, index_of(store))
-        whole = isinstance(store, ir.StaticSetItem) and store.index == slice(None)
-        return whole and self._alias(var) == self._alias(store.target)
+        return False
 
     def _alias(self, var: Any) -> str:
         """The variable that another is a copy of."""
-        value = self.only(var.name)
-        return self._alias(value) if isinstance(value, ir.Var) else str(var.name)
+        copied = self._copied(var)
+        return str(var.name) if copied is None else self._alias(copied)
+
+    def _copied(self, var: Any) -> Any:
+        """The variable whose value another has: also of `a *= 2` on an array, which is a itself."""
+        return copied(self.only(var.name), self._typeof(var.name), self._typeof)
 
     def _same(self, one: Any, other: Any) -> bool:
         """Whether two indices are equal for sure."""
@@ -127,6 +136,16 @@ class Origins:
         """The only definition of a variable; None if there are several."""
         made = self._definitions.get(name, ())
         return made[0] if len(made) == 1 else None
+
+
+def copied(value: Any, kind: Any, typeof: Callable[[str], Any]) -> Any:
+    """The variable that a value of this type is; None: it is no variable's."""
+    if isinstance(value, ir.Var):
+        return value
+    if not isinstance(value, ir.Expr) or value.op != "inplace_binop":
+        return None
+    same = isinstance(kind, types.Array) and typeof(value.lhs.name) == kind
+    return value.lhs if same else None
 
 
 def index_of(store: Any) -> Any:

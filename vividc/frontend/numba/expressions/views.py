@@ -26,6 +26,7 @@ from numba.core.lowering import Lower
 from numba.np import arrayobj
 
 from vividc.frontend.numba.expressions.numbers import Number, Numbers, value
+from vividc.frontend.numba.expressions.origins import copied
 from vividc.frontend.numba.subscripts import pitches_of
 
 _UNKNOWN: Final = object()
@@ -116,8 +117,9 @@ class Views:
 
     def _made(self, inst: Any, kind: Any) -> View | None:
         made = inst.value
-        if isinstance(made, ir.Var):
-            return self.of(made.name)
+        other = copied(made, kind, self._lowerer.typeof)
+        if other is not None:
+            return self.of(other.name)
         if isinstance(made, ir.Expr) and made.op in _ITEMS:
             base = self.of(made.value.name)
             index = made.index if made.op == "getitem" else made.index_var
