@@ -70,6 +70,52 @@ def test_what_may_be_in_another_row_is_refused(given: dict[str, str]) -> None:
     assert subscripts(**given) == f"a subscript of {array} is not affine"
 
 
+BYTES = """param "a" int32[2]
+param "b" int32[1]
+b0:
+  %9 i32 = shl $"a.shape1", 0x2
+  %10 pred = icmp.sle $"a.shape0", $"a.shape1"
+  branch %10 b7 else b6
+b7:
+  jump b1
+b1:
+  %0 i32 = phi [b7: 0x0, b5: %1]
+  %2 pred = icmp.slt %0, $"a.shape0"
+  branch %2 b2 else b6
+b2:
+  jump b3
+b3:
+  %4 i32 = phi [b2: 0x0, b4: %5]
+  %6 pred = icmp.slt %4, %0
+  branch %6 b4 else b5
+b4:
+  %3 i32 = mul %0, %9
+  %11 i32 = shl %4, 0x2
+  %7 i32 = add %3, {column}
+  %8 none = store $"&a", %7, %0 array "a"
+  %5 i32 = add %4, 0x1 exact
+  jump b3
+b5:
+  %1 i32 = add %0, 0x1 exact
+  jump b1
+b6:
+  return
+"""
+
+
+def test_a_triangle_by_bytes_is_of_rows_and_columns() -> None:
+    """A column below the diagonal is in its row if there are no more rows than columns."""
+    made = find_scop(function(BYTES.format(column="%11")), "b1")
+    assert not isinstance(made, Refusal), made.reason
+    [access] = made.statements[0].accesses.values()
+    assert access.subscripts == (symbol("i0"), symbol("i1"))
+
+
+def test_what_lies_between_elements_is_refused() -> None:
+    made = find_scop(function(BYTES.format(column="%4")), "b1")
+    assert isinstance(made, Refusal)
+
+
 M = "float32[:, ::1]"
 
 

@@ -18,6 +18,7 @@ from vividc.ssa.polyhedral.generate import generate
 from vividc.ssa.polyhedral.loops import Loops, expected_trips, iterations_of, loops_of
 from vividc.ssa.polyhedral.orders.realigned import realigned
 from vividc.ssa.polyhedral.orders.search import describe, has_masks, is_legal
+from vividc.ssa.polyhedral.orders.sunk import sunk
 from vividc.ssa.polyhedral.relations import Relations, Rows
 from vividc.ssa.polyhedral.rows import rows_of
 from vividc.ssa.polyhedral.schedule import schedule_of
@@ -351,8 +352,12 @@ def with_loops(
 
 
 def written_orders(scop: Scop) -> list[Scop]:
-    """A part as it is, and written with the loop of a sum outermost."""
-    return [scop, *realigned(Relations(scop), _MOST_REALIGNED)]
+    """A part as it is, with what is computed before inner loops in them, and written with the loop
+    of a sum outermost.
+    """
+    inside = sunk(scop)
+    written = [scop] if inside is None else [scop, inside]
+    return [*written, *realigned(Relations(written[-1]), _MOST_REALIGNED)]
 
 
 def with_tree(

@@ -9,7 +9,7 @@ from typing import Final
 from vividc.dfg.builder import GraphBuilder, Operand
 from vividc.machine.opcodes import Opcode
 from vividc.machine.params import TRAP
-from vividc.ssa.analysis.alias import different_elements
+from vividc.ssa.analysis.strides import different_elements
 from vividc.ssa.polyhedral.distances.linear import Distances, Place
 from vividc.ssa.polyhedral.distances.meetings import Meetings
 

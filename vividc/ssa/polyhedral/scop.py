@@ -19,6 +19,7 @@ from vividc.machine.words import signed
 from vividc.ssa.analysis.conjunctions import CONTRARY, Conjunctions, only_tested
 from vividc.ssa.analysis.counters import Counter, counter_of
 from vividc.ssa.analysis.levels import Level, level_of
+from vividc.ssa.analysis.order import Order
 from vividc.ssa.analysis.polynomial import Polynomial, Polynomials
 from vividc.ssa.edit import block_of, incoming, read_values
 from vividc.ssa.flow import Loop, preheader_of
@@ -203,14 +204,14 @@ class _Raising:
         self.count = 0
         self.elements = Elements(function)
         self.axes: dict[str, int] = {}
-        self.rows = FlatRows(function)
-        self.bounds: dict[str, tuple[Form, Form]] = {}
+        self.order = Order(function)
+        self.rows = FlatRows(function, self.order)
         self._tests = only_tested(function)
 
     def scop(self) -> Scop:
         """The part."""
         nest = self._nest(self.level, ())
-        nest = _with_scalars(nest, self.depth, self._read_after())
+        nest = with_scalars(nest, self.depth, self._read_after())
         [(_, after)] = self.level.loop.exits
         entry = preheader_of(self.function, self.level.loop)
         indices = {key.id: value for key, value in self.values.items() if isinstance(key, Ref)}
@@ -355,7 +356,6 @@ class _Raising:
             first, limit = first.times(-1), limit.times(-1)
         value = symbol(name).times(counter.step)
         self.values[Ref(counter.phi.id)] = self.counted[Ref(counter.phi.id)] = value
-        self.bounds[name] = first, limit
         return Dimension(level.loop.header, counter, name, value, (first, limit))
 
     def _is_any(self, name: str) -> bool:
@@ -460,19 +460,15 @@ class _Raising:
             raise _NotStatic(fault)
         return Access(instr, instr.array, tuple(known))
 
-    def _is_in_row(self, column: Polynomial, length: Input) -> bool:
-        """Whether a column is a counter that stays in a row so long, or so much beside one."""
-        form = self._affine(column)
-        if form is None or [factor for _, factor in form.terms] != [1]:
+    def _is_in_row(self, column: Polynomial, length: Input, access: Instr) -> bool:
+        """Whether a column proves to be from 0 to below the length of a row where it is used."""
+        if self._affine(column) is None:
             return False
-        [(name, _)] = form.terms
-        first, limit = self.bounds.get(name, (symbol(name), symbol(name)))
-        least = first.plus(Form((), form.constant))
-        room = symbol(self._symbol(length)).plus(limit.plus(Form((), form.constant)), -1)
-        return not (least.terms or room.terms) and min(least.constant, room.constant) >= 0
+        block = self.function.block_of[access.id]
+        return self.order.lacks_below(self.order.of_terms(column), length, block) == ()
 
 
-def _with_scalars(nest: Nest, depth: Mapping[int, int], after: set[int]) -> Nest:
+def with_scalars(nest: Nest, depth: Mapping[int, int], after: set[int]) -> Nest:
     """The nest with what statements read of each other."""
     read: dict[str, list[int]] = {}
     for statement in nest.statements():

@@ -9,7 +9,8 @@ from functools import cached_property
 from vividc.host.once import once_within
 from vividc.machine.opcodes import MEMORY, Opcode, Type
 from vividc.machine.words import WORD_BYTES
-from vividc.ssa.analysis.polynomial import Polynomial, Polynomials
+from vividc.ssa.analysis.order import Order
+from vividc.ssa.analysis.polynomial import Polynomial, Polynomials, constant
 from vividc.ssa.ir import Function, Input, Instr, Phi, Ref, Value, is_pitch, pitch_of
 from vividc.ssa.polyhedral.forms import Form
 
@@ -121,8 +122,9 @@ class FlatRows:
         Of the rows of each array that the kernel makes, as far as they were found.
     """
 
-    def __init__(self, function: Function) -> None:
+    def __init__(self, function: Function, order: Order) -> None:
         self.lengths: dict[str, Input] = {}
+        self._function, self._order = function, order
         self._known: dict[str, Input | None] = {
             param.name: Input(f"{param.name}.shape1")
             for param in function.params
@@ -131,20 +133,46 @@ class FlatRows:
         self._known |= {one.name: None for one in function.locals if one.contents is None}
 
     def taken_apart(
-        self, access: Instr, index: Polynomial, is_in_row: Callable[[Polynomial, Input], bool]
+        self,
+        access: Instr,
+        index: Polynomial,
+        is_in_row: Callable[[Polynomial, Input, Instr], bool],
     ) -> tuple[Polynomial, Polynomial] | None:
         """Row and column; None: they are not known, or are by rows of another length elsewhere."""
-        name = access.array
-        for row, column, length in _rows_of(index) if name in self._known else ():
-            if self._known[name] in (length, None) and is_in_row(column, length):
+        name, unit = access.array, constant(element_bytes(access) >> access.shift)
+        for row, column, length in self.candidates(access, index):
+            if is_in_row(column, length, access):
                 if self._known[name] is None and self.lengths.setdefault(name, length) != length:
                     return None
-                return row, column
+                return row.times(unit), column.times(unit)
         return None
 
+    def candidates(
+        self, access: Instr, index: Polynomial
+    ) -> Iterator[tuple[Polynomial, Polynomial, Input]]:
+        """Yield what the index of an access may be made of: row, column, and the rows' length."""
+        unit = element_bytes(access) >> access.shift
+        if access.array not in self._known:
+            return
+        known = self._known[access.array]
+        for row, column, length in _rows_of(index, unit):
+            if known in (length, None) or self._is_same(known, length, access):
+                yield row, column, length
 
-def _rows_of(index: Polynomial) -> Iterator[tuple[Polynomial, Polynomial, Input]]:
-    """Yield what an index may be made of: row, column, and the length of rows, an input."""
+    def _is_same(self, known: Input | None, length: Input, access: Instr) -> bool:
+        """Whether rows prove to be as long as they are known to be."""
+        facts = self._order.facts(self._function.block_of[access.id])
+        sums = [self._order.sum_of(one) for one in (known, length) if one is not None]
+        return self._order.equal(sums[0], sums[-1], facts) == ()
+
+
+def _rows_of(index: Polynomial, unit: int) -> Iterator[tuple[Polynomial, Polynomial, Input]]:
+    """Yield what an index may be made of: row, column, and the length of rows, an input.
+
+    `unit`: how much the index counts from one element to the next.
+    """
+    if any(factor % unit for factor in index.terms.values()):
+        return
     lengths = {v: None for monomial in index.terms if len(monomial) > 1 for v in monomial}
     for length in lengths:
         if isinstance(length, Input):
@@ -154,9 +182,9 @@ def _rows_of(index: Polynomial) -> Iterator[tuple[Polynomial, Polynomial, Input]
                 rest = list(monomial)
                 if length in rest:
                     rest.remove(length)
-                    row[tuple(rest)] = factor
+                    row[tuple(rest)] = factor // unit
                 else:
-                    column[monomial] = factor
+                    column[monomial] = factor // unit
             yield Polynomial(row), Polynomial(column), length
 
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from vividc.machine.opcodes import MEMORY, Opcode, Type
-from vividc.ssa.analysis.alias import different_elements
+from vividc.ssa.analysis.strides import different_elements
 from vividc.ssa.edit import block_of, defined_types, incoming, next_id, with_blocks
 from vividc.ssa.flow import Loop, find_loops, pipelined_loops, preheader_of
 from vividc.ssa.ir import Block, Const, Function, Instr, Ref, Value
