@@ -102,6 +102,35 @@ def test_sizes_that_are_compared_agree(test: str, runs: float) -> None:
     assert frequencies(function, {})["b1"] == pytest.approx(runs, abs=1e-4)
 
 
+def test_exceptions_are_raised_seldom() -> None:
+    """A check in a loop does not end it after the iterations that its other way out would have."""
+    function = parse("""
+function "f"
+param "n" int32
+local "raise.ValueError.x" words 0
+b0:
+  jump b1
+b1:
+  %0 i32 = phi [b0: 0x0, b3: %1]
+  %2 pred = icmp.slt %0, $"n"
+  branch %2 b2 else b4
+b2:
+  %3 pred = icmp.eq %0, $"n"
+  branch %3 b5 else b3
+b3:
+  %1 i32 = add %0, 0x1 exact
+  jump b1
+b5:
+  %4 none = store 0x0, 0x7ffffffc, 0x0 array "raise.ValueError.x"
+  return
+b4:
+  return
+""")
+    runs = frequencies(function, {"b1": 100.0})
+    assert runs["b3"] == pytest.approx(100.0, rel=1e-3)
+    assert runs["b5"] < 1e-3
+
+
 def test_unknown_loops_get_an_assumed_length() -> None:
     assert SINGLE_LOOP_TRIPS > 1
 

@@ -14,7 +14,7 @@ from vividc.compiler.planning.candidates import (
 )
 from vividc.compiler.planning.demands import obey
 from vividc.compiler.planning.estimate import Estimate, Estimator
-from vividc.compiler.planning.fit import fitted, is_far_too_long
+from vividc.compiler.planning.fit import fitted, is_far_too_long, version_for_sizes
 from vividc.compiler.planning.interleave import loops_around_waiting
 from vividc.compiler.planning.options import LoopOptions
 from vividc.compiler.planning.parts import Restructured, joined_parts, static_part
@@ -29,6 +29,7 @@ from vividc.ssa.analysis.constant_trips import constant_trips
 from vividc.ssa.analysis.frequency import NO_TRIPS, expected_trips
 from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.ir import Function
+from vividc.ssa.loops.begun_sums import begun_sums
 from vividc.ssa.parallel.independent import meeting_array
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
@@ -124,9 +125,13 @@ def choose(
     if options.idle:
         return Plan((first,))
     chooser = _Chooser(estimator, options, [first], frozenset(parallel))
+    if estimator.options.reassociate and options.auto:
+        tidied = begun_sums(tidied)
     chooser.start(State(tidied, hints))
     obey(chooser)
     asked = len(chooser.stages) - 1
+    if options.auto:
+        version_for_sizes(chooser)
     if options.auto and not is_far_too_long(chooser):
         for fitting in fitted(chooser, chooser.now):
             chooser.accept(fitting)

@@ -1,4 +1,5 @@
-"""Nests flattened until a kernel's regions fit the configuration memory.
+"""A kernel as its nests are given forms: with a version for sizes of arguments that agree, which
+alone is transformed, and with nests flattened until the regions fit the configuration memory.
 
 Each level of a nest takes straight regions before and behind the loops in it, of a few contexts
 each. A kernel of many small nests, as array expressions make, may take more contexts for these than
@@ -7,11 +8,15 @@ there are; a flattened nest has none of them.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 from vividc.compiler.planning.candidates import Candidate
 from vividc.compiler.planning.plan import Draft, Stage
 from vividc.compiler.planning.state import State
+from vividc.ssa.analysis.frequency import EQUAL
+from vividc.ssa.loops.sizes.versions import for_sizes
+from vividc.ssa.rewrite.tidy import tidy
 
 _ROOMS: Final = (0.85, 0.7, 0.5)
 """Shares of the contexts that an estimate may take, if flattening does it: schedules take more than
@@ -26,6 +31,32 @@ of NPBench, 956 of 512, were looked for in vain for a minute.
 
 _TOGETHER: Final = 8
 """Nests that are flattened before the kernel is estimated again: each saves about six contexts."""
+
+_WITH_OTHERS: Final = 0.6
+"""Of the contexts: two versions are no use where they leave no room for other forms of loops."""
+
+_SECOND: Final = 1.5
+"""Times the contexts of a kernel: what both versions take at least, about."""
+
+_AS_GOOD: Final = 1.1
+"""Times the cycles: what is computed again in place of an array is paid back by other forms."""
+
+
+def version_for_sizes(draft: Draft) -> None:
+    """Goes on from two versions of the kernel, if sizes decide what it asks."""
+    state, most = draft.now.state, _WITH_OTHERS * draft.estimator.fabric.controller.contexts
+    is_short = _SECOND * draft.now.estimate.contexts <= most
+    made = for_sizes(state.function) if is_short else None
+    if made is None:
+        return
+    others = {new: state.hints[old] for new, old in made.others.items()}
+    hints = {**state.hints, **others, made.entered: 1.0 - EQUAL}
+    changed = replace(state, function=tidy(made.function), hints=hints)
+    estimate = draft.estimator.estimate(changed.function, hints)
+    is_as_good = estimate.cycles < _AS_GOOD * draft.now.estimate.cycles
+    if is_as_good and estimate.contexts <= most:
+        draft.fixed |= {*made.others}
+        draft.accept(Stage(changed, estimate))
 
 
 def fitted(draft: Draft, stage: Stage) -> list[Stage]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from types import MappingProxyType
 from typing import Final
 
 from vividc.host.once import once_each
 from vividc.machine.opcodes import Opcode
+from vividc.machine.params import TRAP
 from vividc.ssa.analysis.constant_trips import constant_trips
 from vividc.ssa.analysis.counters import counter_of
 from vividc.ssa.flow import Loop, find_loops
@@ -28,6 +29,10 @@ edges of a node.
 EQUAL: Final = 0.995
 """How often sizes are equal that are asked for it: no search pays for loops behind the rest, also
 where two sizes are compared and the other loops were made three times as fast (`planning.choose`).
+"""
+
+_RAISED: Final = 1e-6
+"""How often a branch leads to an exception, however often it runs: whoever computes expects none.
 """
 
 _COMPUTED: Final = frozenset({Opcode.ADD, Opcode.SUB, Opcode.MUL, Opcode.SMAX, Opcode.SMIN})
@@ -98,8 +103,12 @@ def _solved(
     trips, chances = dict(known_trips), dict(known_chances)
     loops = find_loops(function)
     made = {item.id: item for block in function.blocks for item in block.instrs}
+    raising = {block.name for block in function.blocks if raises(block)}
     return runs_of(
-        {block.name: dict(_edges(block, loops, trips, chances, made)) for block in function.blocks}
+        {
+            block.name: dict(_edges(block, loops, trips, chances, made, raising))
+            for block in function.blocks
+        }
     )
 
 
@@ -143,18 +152,23 @@ def _edges(
     trips: Mapping[str, float],
     chances: Mapping[str, float],
     made: Mapping[int, Instr],
+    raising: Set[str],
 ) -> Iterator[tuple[str, float]]:
     targets = tuple(dict.fromkeys(block.branch.successors))
     if len(targets) == 1:
         yield targets[0], 1.0
     elif targets:
-        first = _leaving(block, targets, loops, trips)
+        first = None
+        if not raising.isdisjoint(targets):
+            first = _RAISED if targets[0] in raising else 1.0 - _RAISED
+        if first is None:
+            first = _leaving(block, targets, loops, trips)
         if first is None and targets[1] in chances:
             first = 1.0 - chances[targets[1]]
         if first is None:
             first = chances.get(targets[0])
         if first is None:
-            first = _chance_of_agreement(block.branch.cond, made)
+            first = chance_of_agreement(block.branch.cond, made)
         first = 0.5 if first is None else first
         yield targets[0], first
         yield targets[1], 1.0 - first
@@ -175,7 +189,12 @@ def _leaving(
     return None
 
 
-def _chance_of_agreement(condition: Value | None, made: Mapping[int, Instr]) -> float | None:
+def raises(block: Block) -> bool:
+    """Whether a block leaves the kernel by what stands for an exception."""
+    return not block.branch.successors and any(one.array.startswith(TRAP) for one in block.instrs)
+
+
+def chance_of_agreement(condition: Value | None, made: Mapping[int, Instr]) -> float | None:
     """How often a condition holds that asks whether sizes are equal that only the launch knows;
     None: it asks something else. What broadcasts, or is refused, is the exception: numba's loops
     over whole arrays ask whether an operand has one element where the others have more, and a
@@ -194,7 +213,7 @@ def _chance_of_agreement(condition: Value | None, made: Mapping[int, Instr]) -> 
 
 
 def _of_several(test: Instr, made: Mapping[int, Instr]) -> float | None:
-    chances = [_chance_of_agreement(operand, made) for operand in test.operands]
+    chances = [chance_of_agreement(operand, made) for operand in test.operands]
     if all(chance is None for chance in chances):
         return None
     known = [

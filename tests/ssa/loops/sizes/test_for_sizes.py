@@ -1,0 +1,119 @@
+"""Two versions of a kernel mean what it meant for arguments of all sizes, traps included, and the
+first has nothing left that asks for sizes.
+"""
+
+from __future__ import annotations
+
+import copy
+
+import numpy as np
+import pytest
+
+import vividc
+from tests.ssa.loops.sizes.slices import KERNELS, V, apart, arguments, factors, products, ranked
+from vividc.errors import SSAError
+from vividc.frontend import KernelFunction
+from vividc.machine.opcodes import Opcode
+from vividc.machine.params import TRAP
+from vividc.ssa.check import check_function
+from vividc.ssa.flow import find_loops
+from vividc.ssa.interpret import interpret
+from vividc.ssa.ir import Function
+from vividc.ssa.loops.sizes.versions import Sized, for_sizes
+from vividc.ssa.rewrite.tidy import tidy
+
+
+def sized(kernel: KernelFunction) -> Sized:
+    made = for_sizes(tidy(kernel.lower()))
+    assert made is not None
+    return made
+
+
+def agreeing(made: Sized) -> Function:
+    """The version for sizes that agree."""
+    others = {block.name for block in made.function.blocks if ".other" in block.name}
+    blocks = tuple(b for b in made.function.blocks if b.name not in others)
+    return Function(made.function.name, made.function.params, blocks)
+
+
+def outcome(function: Function, args: list[object]) -> tuple[object, ...]:
+    """Arrays, what is returned, and whether an exception was raised."""
+    args = copy.deepcopy(args)
+    try:
+        value = interpret(function, *args, max_blocks=20_000)
+    except SSAError:
+        value = "raises"
+    arrays = tuple(arg.tobytes() for arg in args if isinstance(arg, np.ndarray))
+    return np.asarray(value).tobytes(), *arrays
+
+
+@pytest.mark.parametrize("kernel", KERNELS, ids=lambda kernel: kernel.name)
+def test_both_versions_mean_the_same(kernel: KernelFunction) -> None:
+    before = tidy(kernel.lower())
+    after = sized(kernel).function
+    assert check_function(after) == []
+    outcomes = [outcome(before, args) for args in arguments(kernel)]
+    for after_it in (after, tidy(after)):
+        assert [outcome(after_it, args) for args in arguments(kernel)] == outcomes
+
+
+@pytest.mark.parametrize("kernel", KERNELS, ids=lambda kernel: kernel.name)
+def test_nothing_is_raised_where_sizes_agree(kernel: KernelFunction) -> None:
+    instrs = [i for block in agreeing(sized(kernel)).blocks for i in block.instrs]
+    assert not any(instr.array.startswith(TRAP) for instr in instrs)
+
+
+@pytest.mark.parametrize("kernel", [ranked, factors, apart], ids=lambda kernel: kernel.name)
+def test_slices_are_not_clamped_where_sizes_agree(kernel: KernelFunction) -> None:
+    inside = {name for loop in find_loops(sized(kernel).function) for name in loop.blocks}
+    blocks = [block for block in agreeing(sized(kernel)).blocks if block.name in inside]
+    clamps = {Opcode.SMIN, Opcode.SMAX, Opcode.SELECT}
+    assert not any(instr.op in clamps for block in blocks for instr in block.instrs)
+
+
+def test_arrays_between_products_go() -> None:
+    """alpha * a is made where it is multiplied; the product itself is an array."""
+    made = agreeing(sized(products))
+    stored = {i.array for b in made.blocks for i in b.instrs if i.op is Opcode.STORE}
+    assert len(stored) == 2
+
+
+@vividc.kernel(f"void({V}, {V})")
+def by_hand(x, y):
+    for i in range(min(x.shape[0], 4)):
+        x[i] = y[i]
+
+
+def test_a_user_clamps_as_before() -> None:
+    assert for_sizes(tidy(by_hand.lower())) is None
+
+
+@vividc.kernel(f"void({V}, {V}, int32)")
+def of_scalars(x, y, n):
+    for i in range(n):
+        x[i] = y[i]
+
+
+def test_loops_that_ask_for_no_sizes_have_one_version() -> None:
+    assert for_sizes(tidy(of_scalars.lower())) is None
+
+
+@pytest.mark.parametrize("kernel", [ranked, factors], ids=lambda kernel: kernel.name)
+def test_a_program_runs_for_all_sizes(kernel: KernelFunction) -> None:
+    """On the array as by numba, whatever sizes are; numba would raise where this does."""
+    program = vividc.compile(kernel, cache=False)
+    before = tidy(kernel.lower())
+    for args in arguments(kernel):
+        shapes = [arg.shape for arg in args if isinstance(arg, np.ndarray)]
+        if any(0 in shape for shape in shapes):
+            continue
+        mine, theirs = copy.deepcopy(args), copy.deepcopy(args)
+        try:
+            interpret(before, *theirs, max_blocks=20_000)
+        except SSAError:
+            with pytest.raises(vividc.VividcError):
+                vividc.simulate(program, *mine)
+            continue
+        vividc.simulate(program, *mine)
+        for one, other in zip(mine, theirs, strict=True):
+            np.testing.assert_array_equal(one, other)

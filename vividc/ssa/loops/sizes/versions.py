@@ -1,0 +1,216 @@
+"""Two versions of a kernel, and a test before them: one for sizes of its arguments that agree, of
+which nothing is left that asks for them, and the kernel as it is for all others.
+
+Numpy's slices are clamped to the sizes of their arrays, its operations stretch what has one element
+to the others' size, and raise what does not fit: of arguments that fit, all that is the same number
+each time. What the first version takes for granted is what proofs of that lack (`order`), a few
+comparisons of inputs (Bik, "Automatic intra-register vectorization", 2002, tests so before a loop).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Final
+
+from vividc.machine.opcodes import MEMORY, Opcode, Type
+from vividc.machine.words import WORD_MASK
+from vividc.ssa.analysis.frequency import chance_of_agreement, raises
+from vividc.ssa.analysis.order import Order, Sum
+from vividc.ssa.analysis.polynomial import Polynomials
+from vividc.ssa.edit import FreshIds, first_free, map_values
+from vividc.ssa.flow import find_loops, flow_of
+from vividc.ssa.ir import (
+    Block,
+    Branch,
+    Const,
+    Function,
+    Instr,
+    Ref,
+    Value,
+    definition_of,
+    is_dimension,
+)
+from vividc.ssa.loops.sizes.decide import decided
+from vividc.ssa.loops.temporaries import without_temporaries
+from vividc.ssa.polyhedral.subscripts import FlatRows
+from vividc.ssa.rewrite.clone import clone_blocks
+from vividc.ssa.rewrite.tidy import tidy
+
+_ORDERED: Final = frozenset({Opcode.ICMP_SLT, Opcode.ICMP_SLE, Opcode.ICMP_ULT, Opcode.ICMP_ULE})
+_MOST_TESTS: Final = 12
+_LIKELY: Final = 0.9
+
+
+@dataclass(frozen=True)
+class Sized:
+    """The block `entered` runs where sizes do not agree; `others`: headers of the loops that run
+    then, and the loops that they are copies of.
+    """
+
+    function: Function
+    entered: str
+    others: dict[str, str]
+
+
+def for_sizes(function: Function) -> Sized | None:
+    """A kernel with a version for sizes that agree; None: nothing asks for them, or they cannot be
+    tested before it.
+    """
+    wanted = _wanted(function)
+    if not any(len(one.terms) > 1 for one in wanted) or len(wanted) > _MOST_TESTS:
+        return None
+    names = [block.name for block in function.blocks]
+    start, entry = first_free(names, "sizes"), function.blocks[0].name
+    other = first_free(names, f"{entry}.other")
+    instrs, cond = _tests(FreshIds(function), wanted)
+    leave = Branch(entry, cond, other, loc=function.blocks[0].branch.loc)
+    blocks = (Block(start, (), instrs, leave), *_with_one_name(function, wanted).blocks)
+    agreeing = replace(function, blocks=(*blocks, Block(other, (), (), Branch())))
+    agreeing = without_temporaries(tidy(decided(agreeing)))
+    return _joined(agreeing, function, other)
+
+
+def _joined(agreeing: Function, function: Function, other: str) -> Sized:
+    """The first version with the kernel as it is in place of the block `other`."""
+    both = replace(function, blocks=(*agreeing.blocks, *function.blocks))
+    clone = clone_blocks(function, function.by_name.keys(), stem="other", ids=FreshIds(both))
+    entry = function.blocks[0].name
+    taken = {block.name for block in agreeing.blocks} - {other}
+    assert taken.isdisjoint(clone.names.values())
+    assert clone.names[entry] == other
+    kept = tuple(block for block in agreeing.blocks if block.name != other)
+    sequential = function.sequential | {clone.names[name] for name in function.sequential}
+    made = replace(agreeing, blocks=(*kept, *clone.blocks), sequential=sequential)
+    others = {clone.names[loop.header]: loop.header for loop in find_loops(function)}
+    return Sized(made, other, others)
+
+
+def _with_one_name(function: Function, wanted: tuple[Sum, ...]) -> Function:
+    """The function with one of two dimensions that are equal for the other; pitches stay."""
+    names: dict[Value, Value] = {}
+    for one in wanted:
+        if Sum(()).less(one) in wanted:
+            [(first, _), (second, _)] = sorted(one.terms, key=lambda term: repr(term[0]))
+            if is_dimension(first) and is_dimension(second):
+                names[second] = first
+
+    def named(value: Value) -> Value:
+        while value in names:
+            value = names[value]
+        return value
+
+    blocks = tuple(map_values(block, named) for block in function.blocks)
+    return replace(function, blocks=blocks)
+
+
+def _wanted(function: Function) -> tuple[Sum, ...]:
+    """Sums of inputs that are not negative where sizes agree."""
+    order = Order(function, may_lack=True)
+    rows = FlatRows(function, order)
+    blocks = [function.by_name[name] for name in flow_of(function).order]
+    inside = {name for loop in find_loops(function) for name in loop.blocks}
+    asks = any(map(raises, blocks))  # before its loops alone a user does
+    for block in blocks:
+        for lacking in _asked(order, block):
+            order.given += [one for one in lacking if one not in order.given]
+            asks = asks or (block.name in inside and bool(lacking))
+    if not asks:
+        return ()
+    for block in blocks if order.given else ():
+        for lacking in _in_rows(order, rows, block):
+            order.given += [one for one in lacking if one not in order.given]
+    return tuple(order.given)
+
+
+def _in_rows(order: Order, rows: FlatRows, block: Block) -> Iterator[tuple[Sum, ...]]:
+    """What is lacking for elements by flat indices to be known by row and column."""
+    polynomials = Polynomials(order.function, pitches=True)
+    for access in block.instrs:
+        index = polynomials.of(access.operands[1]) if access.op in MEMORY else None
+        for _, column, length in () if index is None else rows.candidates(access, index):
+            if any(len(monomial) > 1 for monomial in column.terms):
+                continue
+            lacking = order.lacks_below(order.of_terms(column), length, block.name)
+            if lacking is not None:
+                yield lacking
+                break
+
+
+def _asked(order: Order, block: Block) -> Iterator[tuple[Sum, ...]]:
+    function = order.function
+    made = {item.id: item for one in function.blocks for item in one.instrs}
+    for instr in block.instrs:
+        pair = _clamped(function, instr)
+        if pair is not None:
+            left, right = pair
+            ways = [order.at_most(left, right, block.name), order.at_most(right, left, block.name)]
+            known = [way for way in ways if way is not None]
+            if known:
+                yield min(known, key=_rank)
+        elif instr.op is Opcode.SELECT:
+            yield from _agreement(order, instr.operands[0], block.name, made)
+    branch = block.branch
+    if branch.cond is None:
+        return
+    for target, truth in ((branch.target, False), (branch.otherwise, True)):
+        if target is not None and raises(function.by_name[target]):
+            lacking = order.lacks(branch.cond, truth, block.name)
+            if lacking is not None:
+                yield lacking
+            return
+    yield from _agreement(order, branch.cond, block.name, made)
+
+
+def _clamped(function: Function, instr: Instr) -> tuple[Value, ...] | None:
+    """The two values of which an instruction gives the smaller or the larger one."""
+    if instr.op in (Opcode.SMIN, Opcode.SMAX):
+        return instr.operands
+    if instr.op is not Opcode.SELECT:
+        return None
+    test, *sides = definition_of(function, instr.operands[0]), *instr.operands[1:]
+    if not isinstance(test, Instr) or test.op not in _ORDERED:
+        return None
+    return tuple(sides) if set(test.operands) == set(sides) else None
+
+
+def _agreement(
+    order: Order, condition: Value, block: str, made: dict[int, Instr]
+) -> Iterator[tuple[Sum, ...]]:
+    """What a test lacks that asks whether sizes agree."""
+    chance = chance_of_agreement(condition, made)
+    if chance is None or 1.0 - _LIKELY < chance < _LIKELY:
+        return
+    lacking = order.lacks(condition, chance > _LIKELY, block)
+    if lacking is not None:
+        yield lacking
+
+
+def _rank(lacking: tuple[Sum, ...]) -> tuple[int, int]:
+    """The fewer sums the better; then those in which a dimension is the larger one."""
+    larger = [value for one in lacking for value, times in one.terms if times > 0]
+    return len(lacking), sum(not is_dimension(value) for value in larger)
+
+
+def _tests(ids: FreshIds, wanted: tuple[Sum, ...]) -> tuple[tuple[Instr, ...], Value]:
+    """Instructions that compute whether all of the sums are not negative: one input each, or two
+    without a constant (`order`).
+    """
+    instrs: list[Instr] = []
+
+    def made(op: Opcode, type_: Type, *operands: Value) -> Value:
+        instrs.append(Instr(ids(), op, type_, operands))
+        return Ref(instrs[-1].id)
+
+    cond: Value | None = None
+    for one in wanted:
+        more = next((value for value, times in one.terms if times > 0), None)
+        less = next((value for value, times in one.terms if times < 0), None)
+        sides = (
+            Const(-one.constant & WORD_MASK) if less is None else less,
+            Const(one.constant & WORD_MASK) if more is None else more,
+        )
+        held = made(Opcode.ICMP_SLE, Type.PRED, *sides)
+        cond = held if cond is None else made(Opcode.AND, Type.PRED, cond, held)
+    assert cond is not None
+    return tuple(instrs), cond
