@@ -160,7 +160,7 @@ def test_a_pair_has_fewer_operations_the_more_isl_has_given_up_on(
             return Distances(3)
         raise isl.Error("no operations are left")
 
-    monkeypatch.setattr(Meetings, "_ends", ends)
+    monkeypatch.setattr(Meetings, "found_by_isl", ends)
     meetings = Meetings(function, loop, 8000)
     for number in range(7):
         other = replace(store, instr=replace(store.instr, id=1000 + number))

@@ -192,7 +192,7 @@ class Meetings:
                 return self._found[first, second]
             with bounded(self.most_operations >> min(self._given_up, _HALVINGS)):
                 self._given_up += 1  # unless isl comes to an end
-                self._found[first, second] = self._ends(first, second, int(not now), only)
+                self._found[first, second] = self.found_by_isl(first, second, int(not now), only)
                 self._given_up -= 1
         return self._found[first, second]
 
@@ -203,7 +203,7 @@ class Meetings:
             return None
         return None if len(mine) != len(theirs) else only_distances(mine, theirs, first.instr.width)
 
-    def _ends(
+    def found_by_isl(
         self, first: Place, second: Place, least: int, only: tuple[int, ...] | None
     ) -> Distances | None:
         mine, theirs = self._maps.of(first), self._maps.of(second)
