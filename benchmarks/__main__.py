@@ -15,6 +15,7 @@ import vividc
 from benchmarks import (
     EFFORT,
     PATIENCE,
+    cold,
     engines,
     formats,
     frames,
@@ -67,6 +68,7 @@ FORMATS = "formats"
 LARGE = "large"
 GRAPHICS = "graphics"
 START = "start"
+COLD = "cold"
 STAGES = "stages"
 STEERING = "steering"
 SPLATS = "splats"
@@ -82,6 +84,7 @@ CHOICES = (
     POLYBENCH,
     NPBENCH,
     START,
+    COLD,
     STAGES,
     STEERING,
 )
@@ -96,6 +99,7 @@ MODULES = {
     LARGE: large,
     SPLATS: splats,
     START: start,
+    COLD: cold,
     STAGES: stages,
     STEERING: steering,
 }
@@ -105,6 +109,7 @@ ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
     GRAPHICS: lambda fabric, _: graphics.rows(fabric),
     LARGE: lambda *_: large.rows(),
     START: start.rows,
+    COLD: lambda fabric, _: cold.rows(fabric),
     STAGES: stages.rows,
     STEERING: lambda *_: steering.rows(),
     SPLATS: lambda fabric, _: splats.rows(fabric),
@@ -119,6 +124,7 @@ PLACES = {
     GRAPHICS: ("vivid",),
     LARGE: ("vivid",),
     START: ("vivid-tile",),
+    COLD: ("vivid-tile",),
     STAGES: ("vivid",),
     STEERING: ("vivid",),
     SPLATS: ("vivid",),

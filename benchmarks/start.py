@@ -59,18 +59,18 @@ def rows(*_: object) -> Iterator[str]:
     with tempfile.TemporaryDirectory() as out:
         for name, command in _commands(Path(out)).items():
             with tempfile.TemporaryDirectory() as home:
-                cold, warm = (_timed(command, home) for _ in range(2))
+                cold, warm = (timed(command, home) for _ in range(2))
             yield _row(name, cold, warm)
         for method, file in _SCENES.items():
             scene, picture = f"scenes/mic/{file}", str(Path(out) / "frame.png")
             command = (*_VIVIDC, "render", scene, *_FRAME, "-o", picture)
             with tempfile.TemporaryDirectory() as home:
-                cold, warm = (_timed(command, home) for _ in range(2))
+                cold, warm = (timed(command, home) for _ in range(2))
                 yield _row(f"vividc render, {method}", cold, warm)
                 for entry in Path(home).rglob("entries/*"):
                     if not entry.name.startswith("stage-"):
                         entry.unlink()
-                yield _row(f"vividc render, {method}, as installed", _timed(command, home), warm)
+                yield _row(f"vividc render, {method}, as installed", timed(command, home), warm)
 
 
 def _row(name: str, cold: Times, warm: Times) -> str:
@@ -94,7 +94,7 @@ def _commands(out: Path) -> Mapping[str, Sequence[str]]:
     return found
 
 
-def _timed(command: Sequence[str], home: str) -> Times:
+def timed(command: Sequence[str], home: str) -> Times:
     """Run a command to its end in the checkout, with caches in `home`.
 
     Raises
