@@ -205,7 +205,7 @@ def _compiled(
 
 
 def _check_mode(mode: str) -> None:
-    if mode != AUTO:
+    if not isinstance(mode, str) or mode != AUTO:
         from vividc.gemm.kernels.choice import check_kernel_mode  # noqa: PLC0415 - loads launches
 
         check_kernel_mode(mode)

@@ -14,6 +14,7 @@ import vividc
 from tests.marks import with_slow
 from vividc import LoopOptions, arch
 from vividc.compiler.advice.advise import LEAST_GAIN, Hint, advise
+from vividc.mapper import EffortLevel
 
 F = np.float32
 
@@ -353,13 +354,16 @@ def _demand_savings(case: Case, hint: Hint) -> None:
 
 
 @pytest.mark.parametrize("missing", [0, 2])
-def test_a_longer_search_may_save_what_is_not_refuted(missing: int) -> None:
-    program = vividc.compile(dot)
+@pytest.mark.parametrize(("effort", "higher"), [("normal", "thorough"), ("thorough", "prove")])
+def test_a_longer_search_may_save_what_is_not_refuted(
+    missing: int, effort: EffortLevel, higher: str
+) -> None:
+    program = vividc.compile(dot, effort=effort)
     regions = tuple(
         replace(r, ii=r.ii + missing) if r.kind == "loop" else r for r in program.regions
     )
     hints = [h for h in advise(dot, program=replace(program, regions=regions)) if h.at_most]
-    assert [h.option for h in hints] == ["--effort prove"] * bool(missing)
+    assert [h.option for h in hints] == [f"--effort {higher}"] * bool(missing)
     for hint in hints:
         assert hint.saved == 255 * missing  # of the 256 iterations that are assumed
 

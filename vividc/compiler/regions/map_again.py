@@ -175,6 +175,8 @@ def _with_fewer_stalls(loops: _Loops, results: ReadOnly[int, MapResult]) -> dict
     known = loops.known(tried)
     first = least = loops.total(tried, known)
     ways: tuple[_Way, ...] = ("open", "anew", "stay")
+    if not first:
+        return best
     until = loops.deadline.within(loops.haste.worth(loops.stalled(tried, known) / first))
     for way in ways:
         if loops.stalled(tried, known) < _PAYS * first or until.passed:
