@@ -6,7 +6,7 @@ Compilers and solvers take a second to load, and are when they are used.
 from typing import TYPE_CHECKING
 
 from vividc.errors import VividcError, VividcWarning
-from vividc.host.lazy import lazily, put_off
+from vividc.host.lazy import lazily
 
 if TYPE_CHECKING:
     from vividc import arch, dfg, lang, launch, mapper, program
@@ -67,8 +67,6 @@ _HOMES = {
     "vividc.program": ("Program", "load"),
     "vividc.sim": ("Result",),
 }
-
-put_off("pandas", "ortools.sat.python.cp_model", ("Index", "Series"))  # series of variables
 
 if not TYPE_CHECKING:  # which would take any name then
     __getattr__, __dir__ = lazily(__name__, _HOMES, _ROOMS)
