@@ -16,7 +16,7 @@ TITLE: Final = "Every kernel, compiled cold"
 NOTES: Final = """\
 `vividc compile FILE:KERNEL` as it is, in a process of its own, with empty caches of vividc and
 numba; bytecode is written at installation. `cpu`: seconds of user CPU, which an idle machine
-spreads over its cores. The machine did nothing else.
+spreads over its cores: it is to be run on one.
 """.splitlines()
 HEADER: Final = "| kernel | s | cpu s |\n|---|---|---|"
 _ROOT: Final = Path(__file__).resolve().parents[1]

@@ -42,6 +42,9 @@ def plain(x: object) -> object:
         lambda: vividc.mapper.map_dfg(GRAPH, MESH, workers=True),
         lambda: vividc.mapper.map_dfg(GRAPH, MESH, time_limit_s=True),
         lambda: vividc.mapper.map_dfg(GRAPH, MESH, effort=3),  # type: ignore[arg-type]
+        lambda: vividc.mapper.map_dfg(GRAPH, MESH, part="half"),  # type: ignore[arg-type]
+        lambda: vividc.mapper.map_dfg(GRAPH, MESH, part=1.5),
+        lambda: vividc.mapper.map_dfg(GRAPH, MESH, part=float("nan")),
         lambda: vividc.mapper.map_dfg(GRAPH, MESH, allowed=5),  # type: ignore[arg-type]
         lambda: vividc.mapper.map_dfg(GRAPH, MESH, allowed=0),  # type: ignore[arg-type]
         lambda: vividc.mapper.map_dfg(GRAPH, MESH, allowed={0: 1}),  # type: ignore[dict-item]

@@ -178,7 +178,7 @@ def test_the_same_seed_gives_the_same_mapping() -> None:
 
 @pytest.mark.parametrize("name", ["vivid-tile", "few-registers", "slow", "openedge"])
 @pytest.mark.parametrize("earlier", [0, 1, 4])
-def test_a_mapping_is_altered_for_a_quarter_of_the_moves(name: str, earlier: int) -> None:
+def test_a_mapping_is_altered_for_a_third_of_the_moves(name: str, earlier: int) -> None:
     """Also where its last nodes have to start earlier, which breaks what follows from them."""
     fabric = {**FABRICS, **OPTIONS}[name]
     dfg = random_loop(5, 14)

@@ -70,7 +70,7 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
         mapping, "normal" where more work rarely pays, "thorough" where none is expected to, "prove"
         once every smaller II is refuted.
     part
-        Of the patience of "normal", that a search has which shares it with others.
+        Of the patience of "normal", from 0 to 1, that a search has which shares it with others.
     allowed, resident
         By node id the PEs that it may lie on; by PE the constants that other regions hold there.
     extend, objective
@@ -87,6 +87,7 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
         An interrupt (a KeyboardInterrupt, Ctrl-C) came when there was a mapping: `result` has it.
     """
     _check(dfg, fabric, ii, time_limit_s, workers)
+    _check_part(part)
     mapper = named(mapper)
     demand_callable(progress, "progress")
     run = find_mapper(mapper)
@@ -183,6 +184,12 @@ def check_time_limit(time_limit_s: float) -> None:
         raise VividcError(
             f"the time limit must be positive, not {time_limit_s}", loc="time_limit_s"
         )
+
+
+def _check_part(part: float) -> None:
+    demand_type(part, (int, float), "the part of the patience", "give a number from 0 to 1")
+    if not 0 <= part <= 1:
+        raise VividcError(f"the part of the patience is from 0 to 1, not {part}", loc="part")
 
 
 def check_effort(effort: str) -> None:

@@ -177,6 +177,7 @@ def figure_8b(scenes: Scenes) -> Exhibit:
                 loops=vividc.LoopOptions(threads=_THREADS),
                 precision={"exp": name},
                 time_limit_s=_MAPPING_S,
+                effort="thorough",
             )
         picture = blend_on_array(program, model, camera, "vivid")
         cycles[name], pictures[name] = picture.cycles, np.clip(picture.image, 0, 1)

@@ -27,7 +27,7 @@ _LONGER = "give a longer --time-limit: smaller forms of its loops were not mappe
 
 HASTY = 1.05
 """Of the cycles that the best stage is expected to take, or has come to: a stage that is expected
-to take so many is left out in haste. Of 10 kernels with such a stage two gain by it, 1 and 3 %.
+to take so many is left out in haste. Of 8 kernels with such a stage two gain by it, 1 and 3 %.
 """
 
 _HOPEFUL = 0.9
@@ -174,8 +174,9 @@ def settle(plan: Plan, attempt: Attempt, most: float = math.inf) -> Settled:
 
 
 def _is_worth_it(stage: Stage, best: Settled, most: float) -> bool:
-    """What is in reserve is mapped, too, where the better stage by estimate came out much slower
-    than the one in reserve is expected to be.
+    """Whether it is expected to take less than `most` times the cycles of the best one, if that has
+    its hottest loop mapped. What is in reserve is mapped, too, where the better stage by estimate
+    came out much slower than the one in reserve is expected to be.
     """
     expected, achieved = stage.estimate.cycles, best.outcome.achieved.cycles
     if stage.reserve:

@@ -96,7 +96,7 @@ class Haste:
         its loops' cycles that they might be fewer by, times that share.
     is_frugal
         Annealing ends where what is broken is frozen, and every other seed alters the best mapping
-        so far, which takes a quarter of the moves.
+        so far, which takes a third of the moves.
     """
 
     most_s: float

@@ -26,7 +26,7 @@ class Frame:
     meetings
         Accesses that should be in different slots.
     origin
-        A mapping at the same II, where to begin instead, which takes a quarter of the moves.
+        A mapping at the same II, where to begin instead, which takes a third of the moves.
     """
 
     begin: ReadOnly[int, int]
