@@ -22,6 +22,7 @@ $(STAMP): requirements.lock pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(PIP) --require-hashes -r requirements.lock
 	$(PIP) --no-deps --no-build-isolation -e .
+	$(BIN)/python -m vividc.cli.ship
 	@touch $@
 
 demo: setup
@@ -68,6 +69,7 @@ wheel: setup
 	tar --exclude=./.git --exclude=./.venv --exclude=./build --exclude=./dist --exclude='*.egg-info' \
 	  --exclude=./scenes -cf - . | tar -xf - -C $(COPY)
 	$(BIN)/python -m vividc.render.array.device.ship $(COPY)/vividc/programs
+	$(BIN)/python -m vividc.cli.ship $(COPY)/vividc/objects
 	$(BIN)/python -m build --wheel --no-isolation --outdir $(DIST) $(COPY) >$(COPY).log 2>&1 || \
 	  { cat $(COPY).log; exit 1; }
 	@ls $(DIST)/*.whl

@@ -19,7 +19,7 @@ import pytest
 from numpy.typing import NDArray
 
 import vividc
-from vividc.host.machine_code import Compiler, door, inlined
+from vividc.host.machine_code import Compiler, door, inlined, shipped
 from vividc.host.machine_code.origin import origin
 from vividc.host.machine_code.unit import module_text
 
@@ -299,6 +299,46 @@ def test_what_is_made_soon_is_optimised_once_that_is_worth_it(
     later = Compiler(soon=True)
     assert later(cubes)(numbers, 0.1) == expected
     assert not later.is_quick, "optimised code is in the cache"
+
+
+def test_what_comes_with_an_installation_is_not_compiled(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("VIVIDC_CACHE_DIR", str(tmp_path / "cache"))
+
+    def squares(a: Ints) -> int:
+        found = 0
+        for item in a:
+            found += item * item
+        return found
+
+    def cubes(a: Ints) -> int:
+        found = 0
+        for item in a:
+            found += item * item * item
+        return found
+
+    ships = Compiler()
+    ships(squares)
+    folder = tmp_path / "objects"
+    text, code = ships.portable()
+    shipped.write(folder, {text: code})
+    monkeypatch.setattr(shipped, "FOLDER", folder)
+    monkeypatch.setattr(door, "optimised", None)
+    monkeypatch.setattr(door, "quickly", None)
+
+    unit = Compiler(soon=True)
+    run, numbers = unit(squares), np.arange(9)
+    assert run(numbers) == 204
+    assert not unit.is_quick
+    with pytest.raises(TypeError, match="not callable"):  # another text: it has to be compiled
+        Compiler()(cubes)(numbers)
+    (file,) = folder.iterdir()
+    file.write_bytes(file.read_bytes()[:-1])
+    assert shipped.read(text) is None
+    shipped.write(folder, {})
+    assert not list(folder.iterdir())
+    assert Compiler()(squares)(numbers) == 204, "it is in the cache by now"
 
 
 def test_threads_go_on_while_one_optimises(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -2,7 +2,7 @@
 
 In order: `say`, `files`, `arrays`, `kernels`, `reference` (`--check`), `completion`, `options`
 (shared by commands), `loops` (transformations), `stages` (what is seen between stages); `reports/`,
-`commands/`; `main`.
+`commands/`; `main`; and `ship`, which is run when vividc is installed.
 """
 
 from vividc.cli.main import main

@@ -13,10 +13,10 @@ times the code.
 
 In order: `types` (what values are), `body` (LLVM IR under construction), `expressions`,
 `statements`, `unit` (which functions there are, and a module of them), `origin` (what they follow
-from), `assembler` (LLVM), `door` (where Python calls).
+from), `assembler` (LLVM), `shipped` (what comes with an installation), `door` (where Python calls).
 """
 
-from vividc.host.machine_code.door import Compiler
+from vividc.host.machine_code.door import Compiler, units
 from vividc.host.machine_code.unit import inlined
 
-__all__ = ["Compiler", "inlined"]
+__all__ = ["Compiler", "inlined", "units"]

@@ -32,16 +32,24 @@ def host() -> str:
     )
 
 
-def optimised(text: str, *, in_vectors: bool) -> bytes:
+def platform() -> str:
+    """Architecture and system, which portable machine code depends on."""
+    triple: str = binding.get_process_triple()
+    return triple
+
+
+def optimised(text: str, *, in_vectors: bool, portable: bool = False) -> bytes:
     """Machine code of a module, as an object file.
 
     Parameters
     ----------
     in_vectors
         Whether loops may be unrolled and made to compute vectors, which takes half the time again.
+    portable
+        For any processor of this architecture. Annealing takes the same time with it.
     """
     with LOCK:
-        machine = target_machine(2)
+        machine = target_machine(2, portable)
         module = parsed(text, machine)
         options = binding.create_pipeline_tuning_options(speed_level=_LEVEL)
         options.loop_vectorization = options.loop_unrolling = in_vectors
@@ -76,10 +84,12 @@ def parsed(text: str, machine: binding.TargetMachine) -> binding.ModuleRef:
 
 
 @functools.cache
-def target_machine(level: int) -> binding.TargetMachine:
-    """This computer, for code generation of a level from 0 to 3."""
+def target_machine(level: int, portable: bool = False) -> binding.TargetMachine:
+    """This computer, or any of its architecture, for code generation of a level from 0 to 3."""
     _initialize()
     target = binding.Target.from_default_triple()
+    if portable:
+        return target.create_target_machine(opt=level, jit=True)
     return target.create_target_machine(
         cpu=binding.get_host_cpu_name(),
         features=binding.get_host_cpu_features().flatten(),
