@@ -87,7 +87,7 @@ def test_mappings_stay_in_their_frame(seed: int) -> None:
     shorter = least_span(problem, ii) + 3
     made = negotiate(
         problem, ii, 1, Deadline.after(60), QUICK, frame=tight_frame(problem, ii, shorter)
-    )
+    ).mapping
     assert made is not None
     assert violations(problem.dfg, problem.fabric, made) == []
     assert span(problem, made) <= shorter

@@ -16,7 +16,7 @@ from vividc.mapper.bounds.bounds import all_bounds, mii
 from vividc.mapper.check.verify import verify
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.engines.negotiate import Effort, negotiate, prepare
-from vividc.mapper.engines.negotiate.lockstep import Steps, first_result
+from vividc.mapper.engines.negotiate.lockstep import Steps, every_result, first_result
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.problem import MapProblem
 
@@ -42,6 +42,23 @@ def test_attempts_that_fail_leave_the_others_going() -> None:
     assert first_result([attempt(1, None), attempt(5, "found"), attempt(2, None)]) == "found"
     assert first_result([attempt(1, None), attempt(5, None)]) is None
     assert first_result([attempt(2, "alone")]) == "alone"
+
+
+def test_every_attempt_ends_with_its_value_and_the_longest_step_is_charged() -> None:
+    charged: list[float] = []
+
+    def costs(value: str | None, *seconds: float) -> Steps[str | None]:
+        yield from seconds
+        return value
+
+    for threads in (1, 2):
+        charged.clear()
+        going = [costs("a", 1.0, 2.0), costs(None, 3.0), costs("c", 1.0, 1.0, 4.0)]
+        assert every_result(going, charged.append, threads) == ["a", None, "c"]
+        assert sum(charged) == 3.0 + 2.0 + 4.0
+    charged.clear()
+    assert every_result([costs("a", 1.0, 2.0)], charged.append, 2) == ["a"]
+    assert charged == [1.0, 2.0]
 
 
 def test_what_goes_wrong_in_an_attempt_is_raised() -> None:
@@ -82,7 +99,7 @@ def problem_on(name: str) -> MapProblem:
 
 
 def mapped(problem: MapProblem, ii: int, sides: int = 1, threads: int = 1) -> Mapping | None:
-    return negotiate(problem, ii, 1, Deadline.after(120), EFFORT, sides, threads)
+    return negotiate(problem, ii, 1, Deadline.after(120), EFFORT, sides, threads).mapping
 
 
 def specialisations() -> dict[str, int]:

@@ -80,7 +80,7 @@ OPTIONS: dict[str, Fabric] = {
 def negotiated(
     dfg: DFG, ii: int, seed: int = 1, fabric: Fabric = TILE, effort: Effort = QUICK
 ) -> Mapping | None:
-    return negotiate(MapProblem(dfg, fabric), ii, seed, Deadline.after(120), effort)
+    return negotiate(MapProblem(dfg, fabric), ii, seed, Deadline.after(120), effort).mapping
 
 
 def relaxed(dfg: DFG, fabric: Fabric = TILE) -> int:
@@ -185,14 +185,16 @@ def test_a_mapping_is_altered_for_a_third_of_the_moves(name: str, earlier: int) 
     ii, effort = relaxed(dfg, fabric) + 2, replace(QUICK, trials=1, moves=40_000)
     problem = MapProblem(dfg, fabric)
     whole, part = Deadline.after(1000.0), Deadline.after(1000.0)
-    first = negotiate(problem, ii, 1, whole, effort)
+    first = negotiate(problem, ii, 1, whole, effort).mapping
     frame = loose_frame(problem, ii)
     assert first is not None
     assert frame is not None
     latest = max(place.time for place in first.places.values()) - earlier
     last = {node: max(frame.begin[node], min(time, latest)) for node, time in frame.last.items()}
     again = [
-        negotiate(problem, ii, 2, part, effort, frame=replace(frame, last=last, origin=first))
+        negotiate(
+            problem, ii, 2, part, effort, frame=replace(frame, last=last, origin=first)
+        ).mapping
         for _ in range(2)
     ]
     assert again[0] == again[1]
@@ -209,13 +211,17 @@ def test_annealing_ends_where_what_is_broken_is_frozen() -> None:
     dfg = random_loop(1, 60)
     ii = mii(all_bounds(MapProblem(dfg, TILE)))
     plain = [node.id for node in dfg.placed if 5 in TILE.hosts(node)]
-    crowded = MapProblem(dfg, TILE, dict.fromkeys(plain[: ii + 4], frozenset({5})))
+    crowded = MapProblem(dfg, TILE, dict.fromkeys(plain[: ii + 8], frozenset({5})))
     spent, found = {}, []
     for quits in (False, True):
         deadline, effort = Deadline.after(1000.0), Effort(moves=20_000, trials=1, quits=quits)
-        assert negotiate(crowded, ii, 1, deadline, effort) is None
+        given_up = negotiate(crowded, ii, 1, deadline, effort)
+        assert given_up.mapping is None
+        assert given_up.is_far == quits
         spent[quits] = deadline.meter.spent_s
-        found.append(negotiate(MapProblem(dfg, TILE), ii, 1, Deadline.after(1000.0), effort))
+        made = negotiate(MapProblem(dfg, TILE), ii, 1, Deadline.after(1000.0), effort)
+        assert not made.is_far
+        found.append(made.mapping)
     assert spent[True] < 0.6 * spent[False]
     assert found[0] is not None
     assert found[0] == found[1]
@@ -244,7 +250,7 @@ def with_entries_read(dfg: DFG) -> DFG:
 
 def test_no_time_gives_no_mapping() -> None:
     dfg = random_loop(3, 24)
-    assert negotiate(MapProblem(dfg, TILE), 8, 1, Deadline.after(0.0), QUICK) is None
+    assert negotiate(MapProblem(dfg, TILE), 8, 1, Deadline.after(0.0), QUICK).mapping is None
 
 
 def test_an_ii_below_a_recurrence_gives_no_mapping() -> None:

@@ -17,7 +17,7 @@ from vividc.mapper.deadline import Deadline
 from vividc.mapper.engines.negotiate import Effort
 from vividc.mapper.engines.negotiate.frame import Frame
 from vividc.mapper.engines.negotiate.lockstep import first_result
-from vividc.mapper.engines.negotiate.negotiate import Negotiation
+from vividc.mapper.engines.negotiate.negotiation import Negotiation
 from vividc.mapper.engines.negotiate.places import enter
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.problem import MapProblem

@@ -14,7 +14,7 @@ from vividc.mapper.deadline import Deadline
 from vividc.mapper.engines.negotiate import Effort, negotiate
 from vividc.mapper.engines.negotiate.anneal import new_heat
 from vividc.mapper.engines.negotiate.frame import loose_frame
-from vividc.mapper.engines.negotiate.negotiate import Negotiation
+from vividc.mapper.engines.negotiate.negotiation import Negotiation
 from vividc.mapper.engines.negotiate.places import broken, enter, lie
 from vividc.mapper.engines.negotiate.repair import new_undo, repair
 from vividc.mapper.engines.negotiate.traffic import OVER, new_graph, new_scratch, new_traffic
@@ -69,6 +69,6 @@ def test_nodes_of_a_full_array_change_their_slots_by_trades_only(trades: bool) -
 def test_a_graph_that_fills_the_array_is_mapped() -> None:
     dfg = unrelated(PES * II)
     problem = MapProblem(dfg, FABRIC)
-    mapping = negotiate(problem, II, 1, Deadline.after(60), Effort(moves=500, trials=2))
+    mapping = negotiate(problem, II, 1, Deadline.after(60), Effort(moves=500, trials=2)).mapping
     assert mapping is not None
     assert verify(dfg, FABRIC, mapping) == []

@@ -16,7 +16,7 @@ from vividc.compiler.kept_programs import Place, place_of
 from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.estimate import Estimator, Spaces
 from vividc.compiler.planning.explain import loop_reports
-from vividc.compiler.planning.fallback import HASTY, Budget, Outcome, settle
+from vividc.compiler.planning.fallback import HASTY, TRANSFORMED_GUARD, Budget, Outcome, settle
 from vividc.compiler.planning.options import FlatLoopOptions, LoopOptions, loop_options
 from vividc.compiler.planning.plan import Plan, Stage
 from vividc.compiler.regions.earlier import Earlier
@@ -330,9 +330,7 @@ def compile_stages(
 
     def attempt(stage: Stage, last_resort: bool, below: float) -> Outcome | None:
         limit_s = budget.share(last_resort).remaining_s
-        guard_s = time_limit.remaining_s()
-        if not last_resort and budget.whole.remaining_s:
-            guard_s *= limit_s / budget.whole.remaining_s
+        guard_s = time_limit.remaining_s() * (1.0 if last_resort else TRANSFORMED_GUARD)
         with guarded(guard_s, grace_s=math.inf if last_resort else 0.0):
             shared = replace(options, time_limit_s=limit_s)
             before = replace(earlier, hopeless={}, crowded=set()) if last_resort else earlier

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
@@ -15,8 +17,7 @@ from vividc.dfg.regions import Kernel
 from vividc.mapper import EffortLevel, MapResult
 from vividc.mapper.check.verify import violations
 from vividc.mapper.deadline import Deadline
-from vividc.mapper.engines.negotiate import least_span
-from vividc.mapper.engines.negotiate.frame import Frame
+from vividc.mapper.engines.negotiate import Try, least_span
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.resources.banks import Traffic, words_of
 from vividc.program.encoder.banks import choose_layout, traffic_of
@@ -150,10 +151,13 @@ def test_seeds_that_map_nothing_end_a_search_the_sooner_the_more_they_cost(
 ) -> None:
     seeds: dict[int, set[int]] = {}
 
-    def nothing(_: object, ii: int, seed: int, *_others: object, frame: Frame) -> None:
-        seeds.setdefault(ii if frame.meetings.accesses else 0, set()).add(seed)
+    def nothing(tries: Sequence[Try], *_others: object) -> list[None]:
+        for one in tries:
+            assert one.frame is not None
+            seeds.setdefault(one.ii if one.frame.meetings.accesses else 0, set()).add(one.seed)
+        return [None] * len(tries)
 
-    monkeypatch.setattr("vividc.compiler.regions.map_again.negotiate", nothing)
+    monkeypatch.setattr("vividc.compiler.regions.map_again.negotiate_each", nothing)
     monkeypatch.setattr("vividc.compiler.regions.map_again.annealing_s", lambda *_: annealing_s)
     _, results, _, _ = mapped(eight_apart, runs=True, effort="thorough")
     assert all(result.mapping is not None for result in results.values())
@@ -166,13 +170,12 @@ def test_in_haste_a_search_ends_by_what_it_may_save(monkeypatch: pytest.MonkeyPa
     def begun(share: float, effort: EffortLevel) -> int:
         seeds: list[int] = []
 
-        def slow(
-            _: object, _ii: int, seed: int, deadline: Deadline, *_others: object, **_how: object
-        ) -> None:
-            seeds.append(seed)
-            deadline.charge(0.2)
+        def slow(tries: Sequence[Try], deadline: Deadline, _: int) -> list[None]:
+            seeds.extend(one.seed for one in tries)
+            deadline.charge(0.2 * len(tries))
+            return [None] * len(tries)
 
-        monkeypatch.setattr("vividc.compiler.regions.map_again.negotiate", slow)
+        monkeypatch.setattr("vividc.compiler.regions.map_again.negotiate_each", slow)
         monkeypatch.setattr(Traffic, "stalls", lambda self, *_: share / (1 - share) * self.ii)
         mapped(eight_apart, runs=True, effort=effort)
         return len(seeds)

@@ -23,6 +23,12 @@ _AS_WRITTEN = 0.4
 _STAGE_S = 25.0
 """A stage of transformed loops is given up after so long, and an earlier one mapped instead."""
 
+TRANSFORMED_GUARD = 0.75
+"""Of the time that is left, after which the clock ends a stage of transformed loops. What it may
+spend is effort, and the clock only guards it: with the same share of both, a machine half as fast
+as the typical one came to other words (march_scene at seven times the cycles).
+"""
+
 _LONGER = "give a longer --time-limit: smaller forms of its loops were not mapped in time"
 
 HASTY = 1.05

@@ -15,7 +15,7 @@ from collections.abc import Hashable, Sequence
 from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Final, Literal
+from typing import Final, Literal, TypeVar
 
 from vividc.arch.fabric import Fabric
 from vividc.compiler.planning.estimate import RegionCost
@@ -28,10 +28,12 @@ from vividc.mapper.check.verify import violations
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.engines.negotiate import (
     Effort,
+    Frame,
+    Try,
     annealing_s,
     least_span,
     loose_frame,
-    negotiate,
+    negotiate_each,
     tight_frame,
 )
 from vividc.mapper.mapping import Mapping
@@ -40,6 +42,8 @@ from vividc.mapper.resources.plain_core import named_anew, unrotated
 from vividc.mapper.result import mapping_of
 from vividc.program.encoder.banks import TRIES, choose_layout
 from vividc.program.encoder.checks import span_of
+
+_Any = TypeVar("_Any")
 
 _PAYS: Final = 0.02
 _SAVES: Final = 0.002
@@ -234,6 +238,34 @@ def _with_shorter_iterations(
 
 
 @dataclass(frozen=True, slots=True)
+class _Try:
+    """A mapping that is looked for: its iterations not longer than `span`, made of `start` if there
+    is one.
+    """
+
+    seed: int
+    meetings: Meetings
+    span: int | None = None
+    start: Mapping | None = None
+
+    @property
+    def key(self) -> Hashable:
+        """What it is known by, of one loop and II."""
+        start = self.start
+        begun = start and tuple((node, at.pe, at.time) for node, at in sorted(start.places.items()))
+        expected = self.meetings.accesses, self.meetings.stalls.tobytes()
+        return self.seed, expected, self.span, begun
+
+    def frame(self, core: MapProblem, ii: int) -> Frame | None:
+        """Between which cycles operations are; None: there are no such cycles."""
+        if self.span is None:
+            frame = loose_frame(core, ii, self.meetings)
+        else:
+            frame = tight_frame(core, ii, self.span, self.meetings)
+        return frame and replace(frame, origin=self.start)
+
+
+@dataclass(frozen=True, slots=True)
 class _Again:
     """Another mapping of a loop, and the cycles of all loops with it."""
 
@@ -347,18 +379,30 @@ class _Loops(_Costs):
         stalls = self.stalls(index, best, known)
         apart = self.traffic(index, best).meetings(known)
         effort = replace(_SHORTER_EFFORT, quits=self.haste.is_frugal)
-        while (span := self.span(index, best)) > least and not until.passed:
+        turns = self.in_turns(((1, apart), (1, NO_MEETINGS), (2, NO_MEETINGS)))
+        while (span := self.span(index, best)) > least and not self._is_over(
+            problem, effort, until
+        ):
             tried, better, misses = (least + span) // 2, None, 0
-            for seed, meetings in ((1, apart), (1, NO_MEETINGS), (2, NO_MEETINGS)):
-                if misses == _SHORTER_MISSES:
+            for turn in turns:
+                if misses >= _SHORTER_MISSES:
                     break
-                made = self._negotiated(problem, best, seed, effort, meetings, tried)
-                misses += made is None
-                if made and self.stalls(index, made, known) <= stalls:
-                    better = made
+                tries = [_Try(seed, meetings, tried) for seed, meetings in turn]
+                made = self._negotiated(problem, best, effort, tries)
+                misses += made.count(None)
+                good = (one for one in made if one and self.stalls(index, one, known) <= stalls)
+                better = next(good, None)
+                if better:
                     break
             best, least = (better, least) if better else (best, tried + 1)
         return best
+
+    def in_turns(self, tries: Sequence[_Any]) -> list[Sequence[_Any]]:
+        """Tries one after the other, or two at a time, where nothing tells how fast they come to an
+        end: cores are idle otherwise.
+        """
+        each = 2 if self.haste.is_frugal else 1
+        return [tries[first : first + each] for first in range(0, len(tries), each)]
 
     def problem(self, index: int, results: ReadOnly[int, MapResult]) -> MapProblem:
         """A loop beside the others as they are mapped, whose entries it leaves to them."""
@@ -388,75 +432,59 @@ class _Loops(_Costs):
         altered = old
         most, idle = max(_IDLE, int(_IDLE_S / annealing_s(problem, _EFFORT))), 0
         effort = replace(_EFFORT, quits=self.haste.is_frugal)
-        for seed in _SEEDS:
-            if until.passed or least <= enough or idle == most:
+        for seeds in self.in_turns(_SEEDS):
+            if least <= enough or idle >= most or self._is_over(problem, effort, until):
                 break
-            start = altered if self.haste.is_frugal and seed % 2 == 0 else None
+            start = altered if self.haste.is_frugal else None
             apart = meetings.weighted(weight)
-            made = self._negotiated(problem, old, seed, effort, apart, start=start)
-            if made is None and weight > 1.0:
+            tries = [_Try(seed, apart, start=None if seed % 2 else start) for seed in seeds]
+            found = self._negotiated(problem, old, effort, tries)
+            if weight > 1.0 and None in found:
                 weight = max(1.0, weight / _LIGHTER)
-                continue
-            idle += 1
-            if made is None:
-                continue
-            changed = {**results, index: replace(results[index], mapping=made)}
-            cycles = self.total(changed, self.known(changed) if anew else known)
-            if cycles < least - _ENOUGH * stalls:
-                idle = 0
-            if best is None or cycles < best.cycles:
-                best = _Again(made, cycles)
-            if cycles < least:
-                least, altered = cycles, made
+                found = [made for made in found if made is not None]
+            for made in found:
+                idle += 1
+                if made is None:
+                    continue
+                changed = {**results, index: replace(results[index], mapping=made)}
+                cycles = self.total(changed, self.known(changed) if anew else known)
+                if cycles < least - _ENOUGH * stalls:
+                    idle = 0
+                if best is None or cycles < best.cycles:
+                    best = _Again(made, cycles)
+                if cycles < least:
+                    least, altered = cycles, made
         return best
 
+    def _is_over(self, problem: MapProblem, effort: Effort, until: Deadline) -> bool:
+        """Whether no effort is left; in haste, less than half of what a mapping takes."""
+        least_s = annealing_s(problem, effort) / 2 if self.haste.is_frugal else 0.0
+        return until.passed or until.remaining_s < least_s
+
     def _negotiated(
-        self,
-        problem: MapProblem,
-        old: Mapping,
-        seed: int,
-        effort: Effort,
-        meetings: Meetings,
-        span: int | None = None,
-        start: Mapping | None = None,
-    ) -> Mapping | None:
-        """Another mapping at the II of the `old` one, its iterations not longer than `span`, made
-        of `start` if there is one.
-        """
-        expected = (meetings.accesses, meetings.stalls.tobytes())
-        begun = start and tuple((node, at.pe, at.time) for node, at in sorted(start.places.items()))
-        key = (posed(problem), old.ii, seed, effort, expected, span, begun)
-        if key in self.tried:
-            named = self.tried[key]
-        else:
-            named = self._newly_negotiated(problem, old.ii, seed, effort, meetings, span, start)
-            if named is not None or not self.deadline.passed:
-                self.tried[key] = named
-        return None if named is None else replace(named, subject=old.subject)
+        self, problem: MapProblem, old: Mapping, effort: Effort, tries: Sequence[_Try]
+    ) -> list[Mapping | None]:
+        """Other mappings at the II of the `old` one, where there are some."""
+        keys = [(posed(problem), old.ii, effort, one.key) for one in tries]
+        new = [number for number, key in enumerate(keys) if key not in self.tried]
+        made = self._newly_negotiated(problem, old.ii, effort, [tries[number] for number in new])
+        found = {key: self.tried[key] for key in keys if key in self.tried}
+        found |= {keys[number]: mapping for number, mapping in zip(new, made, strict=True)}
+        late = self.deadline.passed
+        self.tried.update({key: one for key, one in found.items() if one or not late})
+        return [one and replace(one, subject=old.subject) for one in map(found.__getitem__, keys)]
 
     def _newly_negotiated(
-        self,
-        problem: MapProblem,
-        ii: int,
-        seed: int,
-        effort: Effort,
-        meetings: Meetings,
-        span: int | None,
-        start: Mapping | None,
-    ) -> Mapping | None:
+        self, problem: MapProblem, ii: int, effort: Effort, tries: Sequence[_Try]
+    ) -> list[Mapping | None]:
         core = replace(problem, fabric=unrotated(self.fabric))
-        if span is None:
-            frame = loose_frame(core, ii, meetings)
-        else:
-            frame = tight_frame(core, ii, span, meetings)
-        if frame is None:
-            return None
-        frame = replace(frame, origin=start)
-        made = negotiate(core, ii, seed, self.deadline, effort, frame=frame)
-        named = None if made is None else named_anew(problem, made)
-        if named is None:
-            return None
-        faults = violations(problem.dfg, self.fabric, named, resident=problem.resident)
-        if faults:
-            raise InternalError(f"another mapping of {problem.dfg.name}: {faults[0].message}")
+        asked = [Try(core, ii, one.seed, effort, one.frame(core, ii)) for one in tries]
+        made = negotiate_each(asked, self.deadline, len(asked)) if asked else []
+        named = [mapping and named_anew(problem, mapping) for mapping in made]
+        for mapping in named:
+            if mapping is None:
+                continue
+            faults = violations(problem.dfg, self.fabric, mapping, resident=problem.resident)
+            if faults:
+                raise InternalError(f"another mapping of {problem.dfg.name}: {faults[0].message}")
         return named

@@ -41,7 +41,7 @@ def _try_ii(
         if deadline.passed:
             break
         request.tell(f"II {ii}: annealing and routing, seed {seed}")
-        attempt = attempt_of(problem, negotiate(core, ii, seed, deadline, _EFFORT))
+        attempt = attempt_of(problem, negotiate(core, ii, seed, deadline, _EFFORT).mapping)
         if attempt.mapping is not None:
             return attempt
     return OPEN

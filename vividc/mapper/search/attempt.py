@@ -107,10 +107,10 @@ def map_negotiated(
     patience = PATIENCES.get(request.effort)
     if patience is not None and patience.quits:
         effort = replace(effort or Effort(), quits=True)
-    mapping = negotiate(
-        core, ii, seed, deadline, effort, SEEDS_IN_STEP, request.workers, frame=frame
-    )
-    return OPEN if mapping is None else Attempt(mapping=named_anew(problem, mapping))
+    made = negotiate(core, ii, seed, deadline, effort, SEEDS_IN_STEP, request.workers, frame=frame)
+    if made.mapping is None:
+        return Attempt(is_far=made.is_far and longer is None)
+    return Attempt(mapping=named_anew(problem, made.mapping))
 
 
 def map_negotiated_if_slow(

@@ -80,7 +80,7 @@ def restart_below(search: IISearch) -> None:
     rectangles, turn = windows(search), 0
     while search.open_iis() and not search.deadline.passed:
         turn += 1
-        if _is_cut_short(search, turn):
+        if search.open_iis()[-1] <= search.far or _is_cut_short(search, turn):
             search.over = True
             break
         if _negotiate_seeds(search, search.open_iis()[-1], turn):
@@ -149,7 +149,7 @@ def descend(search: IISearch, effort: Effort, seed: int = 1) -> None:
     will fail), as if all IIs above one that fails would map.
     """
     parts = DESCENT_WITH_MOVES if search.problem.fabric.routing.moves else DESCENT
-    low = search.lower
+    low = max(search.lower, search.far + 1)
     while search.incumbent is not None and low < search.incumbent.ii:
         if search.deadline.passed:
             return

@@ -19,10 +19,13 @@ from vividc.mapper.search.tuning import LARGE_GRAPH, NEAR, PATIENCES, TRY_S
 
 @dataclass(frozen=True, slots=True)
 class Attempt:
-    """What became of one II: a mapping, a refutation (`refuted_by`), or neither."""
+    """What became of one II: a mapping, a refutation (`refuted_by`), or neither, and then whether
+    it `is_far` from a mapping: more effort at this II is not expected to find one.
+    """
 
     mapping: Mapping | None = None
     refuted_by: str | None = None
+    is_far: bool = False
 
     @property
     def decided(self) -> bool:
@@ -50,6 +53,8 @@ class IISearch:
         The mapping with the least II so far.
     in_window
         The same strategy for a rectangle of the array; None: this search is on one.
+    far
+        The greatest II that was far from a mapping: smaller ones are, too.
     over
         Nothing that is left to try is worth what is left of the patience.
     began, improved
@@ -63,6 +68,7 @@ class IISearch:
     lower: int
     incumbent: Mapping | None = None
     in_window: Mapper | None = None
+    far: int = 0
     over: bool = False
     refuted: dict[int, str] = field(default_factory=dict)
     tries: dict[int, int] = field(default_factory=dict)
@@ -90,6 +96,8 @@ class IISearch:
             while self.lower in self.refuted:
                 self.lower += 1
             self.request.tell(f"II {ii}: refuted by {attempt.refuted_by}")
+        if attempt.is_far:
+            self.far = max(self.far, ii)
         if attempt.mapping is not None and (self.incumbent is None or ii < self.incumbent.ii):
             self.incumbent = attempt.mapping
             self.improved = self.request.deadline.meter.spent_s

@@ -39,6 +39,23 @@ def first_result(
     return None
 
 
+def every_result(
+    attempts: Sequence[Steps[_Value]], charge: Callable[[float], None], threads: int
+) -> list[_Value]:
+    """Take a step of each attempt in turn until all have returned a value."""
+    if len(attempts) == 1:
+        return [_alone(attempts[0], charge)]
+    going, found = dict(enumerate(attempts)), dict[int, _Value]()
+    with ThreadPoolExecutor(threads) as pool:
+        while going:
+            steps = {number: pool.submit(_step, attempt) for number, attempt in going.items()}
+            ended = {number: step.result() for number, step in steps.items()}
+            charge(max((end for end in ended.values() if isinstance(end, float)), default=0.0))
+            found |= {number: end[0] for number, end in ended.items() if isinstance(end, tuple)}
+            going = {number: going[number] for number in ended if number not in found}
+    return [found[number] for number in range(len(attempts))]
+
+
 def _alone(attempt: Steps[_Value], charge: Callable[[float], None]) -> _Value:
     while True:
         end = _step(attempt)

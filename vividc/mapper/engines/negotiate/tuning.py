@@ -29,6 +29,19 @@ FROZEN: Final = ((2.5, 3), (1.5, 2), (0.9, 1))
 annealings of eight loops of 80 to 358 operations 67 came to nothing broken, and one of these had as
 much left.
 """
+LITTLE_IN_HASTE: Final = 2
+"""The same where annealing `quits`: of 505 repetitions 55 of 172 with one left came to nothing
+broken, 10 of 128 with two, 2 of 75 with three, none of 130 with more.
+"""
+FAR, LEAST_FAR = ((8.0, 1 / 6), (6.0, 1 / 12), (4.0, 1 / 25), (2.5, 1 / 50)), 3
+"""Heats from which on a graph is far from a mapping at this II with such a part of its nodes
+broken, and so many more.
+"""
+CROWDED_ROUND, CROWDED, LEAST_CROWDED = 10, 0.4, 16
+"""A negotiation that `quits` is given up after so many rounds with crowding of such a part of the
+nodes, and of so much: of 910 that crowd nothing in the end none was above, nor were 205 of 328
+others.
+"""
 QUENCH, QUENCH_HOT, QUENCH_COLD = 0.25, 2.0, 0.2
 """Part of the moves, and heats, of the quench that ends annealing when nothing is broken."""
 OUTPUT_REPAIRS: Final = 25
@@ -92,7 +105,7 @@ class Effort:
     """How hard one try is: annealing moves a node without routes, rounds of negotiation, moves a
     node with routes, and how often all that is tried; `shown`: how many times the annealing moves
     where moves of words are claimed, since little is left to routes; `quits`: annealing ends where
-    what is broken is frozen.
+    what is broken is frozen, and negotiation where it is hopeless.
 
     Of 306 annealings of 17 loops' graphs 158 came to nothing broken with 8000 moves before moves
     looked for what is broken (`_FOCUS`), 202 since, 184 with 5600.
