@@ -18,7 +18,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from statistics import geometric_mean
 from types import ModuleType
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 import click
 import numpy as np
@@ -58,6 +58,17 @@ NOTES: Final = [
     "",
     "The matrix of spmv is made without SciPy, which NPBench's own function needs.",
 ]
+SPREAD_NOTES: Final = [
+    "## With loops over `prange`",
+    "",
+    "None of these programs has one. Where NPBench's authors wrote another with loops over",
+    "`prange` (`*_numba_npr.py`), it is compiled for `vivid` here, with the same arguments. Its",
+    "`cycles` are those of a launch, which moves arrays from DRAM and back and configures tiles.",
+]
+SPREAD_HEADER: Final = (
+    "| program | runs | agrees with numba | cycles | tiles | cycles on `vivid-tile` | why not, or "
+    "why one tile |\n|---|---|---|---|---|---|---|"
+)
 RTOL: Final = 1e-4
 _MOST: Final = 14
 _STEPS: Final = frozenset({"TSTEPS", "nt", "nit", "TMAX", "tEnd"})
@@ -123,6 +134,10 @@ _PATIENCE: Final = 10.0
 """Times the limit that the clock allows: on a busy machine the words are to be the same."""
 
 
+_SPREAD: Final = "npr"
+_ONE_TILE: Final = "runs on one tile only: "
+
+
 @dataclass(frozen=True, slots=True)
 class Row:
     """A program; `refused`: why it does not run; `error` as of `polybench.measure.Row`."""
@@ -148,9 +163,31 @@ class Row:
         return f"{name}| {ideal} | {took} | {self.refused.replace('|', '/')} |"
 
 
-def programs(suites: Path) -> dict[str, Path]:
-    """The programs in a folder, by name."""
-    ending = "_numba_n.py"
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """A program with loops over `prange`; `on_tile`: cycles on one tile, without moves."""
+
+    program: str
+    error: float | None = None
+    cycles: int | None = None
+    tiles: int | None = None
+    on_tile: int | None = None
+    refused: str = ""
+
+    @property
+    def line(self) -> str:
+        """Its line of the table."""
+        runs = "no" if self.cycles is None else "yes"
+        agrees = "" if self.error is None else "yes" if self.error <= RTOL else "**no**"
+        numbers = (self.cycles, self.tiles, self.on_tile)
+        shown = " | ".join("" if number is None else f"{number:,}" for number in numbers)
+        why = self.refused.replace("|", "/")
+        return f"| {self.program} | {runs} | {agrees} | {shown} | {why} |"
+
+
+def programs(suites: Path, kind: str = "n") -> dict[str, Path]:
+    """The programs in a folder, by name; `kind`: the end of their files' names."""
+    ending = f"_numba_{kind}.py"
     found = {path.name.removesuffix(ending): path for path in sorted(suites.rglob(f"*{ending}"))}
     if not found:
         reason = f"{suites} has no program {ending}: get NPBench, https://github.com/spcl/npbench"
@@ -165,12 +202,21 @@ def lines(suites: Path, only: Sequence[str] = ()) -> Iterator[str]:
     for name in programs(suites):
         if only and name not in only:
             continue
-        rows.append(in_process(suites, name))
+        rows.append(in_process(suites, name, Row))
         yield rows[-1].line
     right = sum(row.error is not None and row.error <= RTOL for row in rows)
     wrong = sum(row.error is not None and row.error > RTOL for row in rows)
     yield from ("", f"{right} of {len(rows)} run and agree, {wrong} differ.")
     yield from ("", *_beside_loops(rows))
+    yield from ("", *SPREAD_NOTES, "", *SPREAD_HEADER.splitlines())
+    spread = []
+    for name in programs(suites, _SPREAD):
+        if not only or name in only:
+            spread.append(in_process(suites, name, Spread))
+            yield spread[-1].line
+    right = sum(row.error is not None and row.error <= RTOL for row in spread)
+    on_many = sum((row.tiles or 0) > 1 for row in spread)
+    yield from ("", f"{right} of {len(spread)} run and agree, {on_many} on more tiles than one.")
 
 
 def _beside_loops(rows: Sequence[Row]) -> Iterator[str]:
@@ -183,18 +229,21 @@ def _beside_loops(rows: Sequence[Row]) -> Iterator[str]:
         yield f"more than {_MUCH} of {len(above)}: {', '.join(above) or 'none'}."
 
 
-def in_process(suites: Path, name: str) -> Row:
+_Kind = TypeVar("_Kind", Row, Spread)
+
+
+def in_process(suites: Path, name: str, kind: type[_Kind]) -> _Kind:
     """The row of a program, made by a process of its own."""
-    command = [sys.executable, "-m", "benchmarks.npbench", str(suites), name]
+    command = [sys.executable, "-m", "benchmarks.npbench", str(suites), name, kind.__name__]
     try:
         run = subprocess.run(command, capture_output=True, timeout=_SECONDS, text=True, check=False)
     except subprocess.TimeoutExpired:
-        return Row(name, refused=f"past {_SECONDS} s")
+        return kind(name, refused=f"past {_SECONDS} s")
     last = run.stdout.strip().splitlines()[-1:] or ["{}"]
     if run.returncode or not last[0].startswith("{"):
         told = run.stderr.strip().splitlines()[-1:] or [""]
-        return Row(name, refused=f"crashes: {told[0]}")
-    return Row(**json.loads(last[0]))
+        return kind(name, refused=f"crashes: {told[0]}")
+    return kind(**json.loads(last[0]))
 
 
 def measured(suites: Path, name: str) -> Row:
@@ -225,6 +274,29 @@ def measured(suites: Path, name: str) -> Row:
     return replace(row, cycles=result.cycles, error=error, operations=counted, by_hand=by_hand)
 
 
+def spread(suites: Path, name: str) -> Spread:
+    """The row of a program with loops over `prange`."""
+    row = Spread(name)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always", vividc.VividcWarning)
+        arguments, function = _found(suites, name, _SPREAD)
+        theirs, mine = _fresh(arguments), _fresh(arguments)
+        kernel = vividc.jit(function).kernel(*arguments)
+        value = _run(function, kernel, theirs)
+        try:
+            with vividc.patient(_PATIENCE):
+                on_tile = vividc.simulate(vividc.compile(kernel), *_fresh(arguments))
+                row = replace(row, on_tile=on_tile.cycles)
+                result = vividc.simulate(vividc.compile(kernel, "vivid"), *mine)
+        except (VividcError, InternalError) as error:
+            return replace(row, refused=_told(error))
+        tiles = len(result.stats["tiles"])
+        why = [str(one.message) for one in told if _ONE_TILE in str(one.message)]
+    text = why[0].split(_ONE_TILE)[1].split(";")[0] if why and tiles == 1 else ""
+    error = largest_error([*mine, result.value], [*theirs, value])
+    return replace(row, cycles=result.cycles, tiles=tiles, error=error, refused=text)
+
+
 def _loops_by_hand(suites: Path, name: str) -> int | None:
     """Cycles of the kernel in loops that computes the same; None: there is none."""
     if name not in _BY_HAND:
@@ -250,9 +322,9 @@ def _told(error: VividcError | InternalError) -> str:
     return str(getattr(error, "reason", error)).splitlines()[0]
 
 
-def _found(suites: Path, name: str) -> tuple[list[object], Any]:
+def _found(suites: Path, name: str, kind: str = "n") -> tuple[list[object], Any]:
     """Arguments and function of a program."""
-    path = programs(suites)[name]
+    path = programs(suites, kind)[name]
     known, sizes = _described(suites, name), _sizes(suites, name)
     values: dict[str, object] = dict(sizes)
     init = known.get("init")
@@ -355,4 +427,5 @@ def largest_error(mine: Sequence[object], numbas: Sequence[object]) -> float:
 
 
 if __name__ == "__main__":
-    click.echo(json.dumps(asdict(measured(Path(sys.argv[1]), sys.argv[2]))))
+    made = spread if sys.argv[3:] == [Spread.__name__] else measured
+    click.echo(json.dumps(asdict(made(Path(sys.argv[1]), sys.argv[2]))))

@@ -6,8 +6,9 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pytest
 
-from benchmarks.npbench import RTOL, Row, largest_error, measured, programs
+from benchmarks.npbench import RTOL, Row, largest_error, measured, programs, spread
 
 NUMBA = "import numba as nb\nimport numpy as np\n\n\n@nb.jit(nopython=True)\n"
 
@@ -47,6 +48,28 @@ def test_a_program_that_is_refused_says_why(tmp_path: Path) -> None:
     row = measured(suite(tmp_path, "def sums(x, n):\n    return [x[0]]\n"), "sums")
     assert row.cycles is None
     assert "list" in row.refused
+
+
+DOUBLED = "def sums(x, n):\n    y = np.empty_like(x)\n    for i in nb.prange(len(x)):\n"
+
+
+@pytest.mark.parametrize(("body", "why"), [("2 * x[i]", ""), ("2 * x[i] + y[i - 1]", "read")])
+def test_a_program_with_prange_is_spread_or_says_why_not(
+    tmp_path: Path, body: str, why: str
+) -> None:
+    folder = suite(tmp_path, DOUBLED + "        y[i] = 2 * x[i]\n    return y\n")
+    (file,) = programs(folder).values()
+    looped = DOUBLED + f"        y[i] = {body} if i else 1\n    return y\n"
+    file.with_name("sums_numba_npr.py").write_text(NUMBA + looped)
+    assert list(programs(folder, "npr")) == ["sums"]
+    row = spread(folder, "sums")
+    assert row.cycles
+    assert row.on_tile
+    assert row.tiles
+    assert row.tiles > 1 or why
+    assert why in row.refused
+    assert bool(row.refused) == bool(why)
+    assert row.line.startswith("| sums | yes | yes | ")
 
 
 def test_a_wrong_result_is_marked() -> None:
