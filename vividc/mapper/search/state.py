@@ -133,7 +133,8 @@ class IISearch:
         patience = PATIENCES[self.request.effort]
         least_s = patience.least_s * (self.request.part if patience.shared else 1.0)
         patience_s = max(least_s, patience.factor * (self.improved - self.began))
-        if self.incumbent.ii - self.lower <= max(NEAR, patience.good * self.lower):
+        least = max(self.lower, self.far + 1)
+        if self.incumbent.ii - least <= max(NEAR, patience.good * self.lower):
             patience_s *= patience.near
         elif is_large(self.problem):
             patience_s *= patience.large

@@ -43,7 +43,7 @@ from vividc.mapper.resources.registers import Lifetime, allocate
 class Negotiation:
     """The arrays of one II and what the compiled functions do with them.
 
-    `is_far`: the last trial was given up far from a mapping.
+    `quits`: see `Effort`; `is_far`: the last trial was given up far from a mapping.
     """
 
     def __init__(
@@ -61,7 +61,7 @@ class Negotiation:
         self.places = new_places(self.task, seed)
         self.words = new_words(self.task)
         self.cooling = tuning.SHOWN if self.task.array.moves else tuning.FREELY
-        self.warm, self.is_far = frame.origin is not None, False
+        self.warm, self.quits, self.is_far = frame.origin is not None, False, False
         if frame.origin is None:
             self._put(frame.begin)
         else:
@@ -92,9 +92,10 @@ class Negotiation:
     def run(self, effort: Effort, deadline: Deadline) -> Steps[Mapping | None]:
         """Try until a mapping is found or all trials have failed."""
         times = effort.shown if self.task.array.moves else 1
+        self.quits = effort.quits
         for _ in range(effort.trials):
             moves, self.is_far = effort.moves * len(self.ids) * times, False
-            if (yield from self._anneal(moves, effort.quits, deadline)):
+            if (yield from self._anneal(moves, deadline)):
                 mapping = yield from self._routed(effort, deadline)
                 if mapping is not None:
                     return mapping
@@ -102,22 +103,22 @@ class Negotiation:
                 return None
         return None
 
-    def _anneal(self, moves: int, quits: bool, deadline: Deadline) -> Steps[bool]:
+    def _anneal(self, moves: int, deadline: Deadline) -> Steps[bool]:
         """Anneal from where nodes are, and again less hot where little is left broken; True when
         nothing is in the end but what moves of words break.
         """
         task, places, words = self.task, self.places, self.words
         show_all(task, places, words)
         first = self.cooling.warm if self.warm else 1.0
-        little = tuning.LITTLE_IN_HASTE if quits else tuning.LITTLE
+        little = tuning.LITTLE_IN_HASTE if self.quits else tuning.LITTLE
         for part in (first, *self.cooling.again):
-            yield from self._cool(part, int(moves * part**0.5), quits, deadline)
+            yield from self._cool(part, int(moves * part**0.5), deadline)
             if not 0 < broken(task, places) <= little:
                 break
         hide_all(task, places, words)
         return broken(task, places) == 0
 
-    def _cool(self, part: float, moves: int, quits: bool, deadline: Deadline) -> Steps[None]:
+    def _cool(self, part: float, moves: int, deadline: Deadline) -> Steps[None]:
         """Anneal once, from a part of the heat. Where moves are claimed, what crowds nothing any
         more is only quenched, so that words wait less: registers are not claimed.
         """
@@ -130,7 +131,7 @@ class Negotiation:
             done += tuning.SLICE
             move_s = tuning.SHOWN_MOVE_S if self.task.array.moves else tuning.MOVE_S
             yield self.density * moves_now * move_s
-            if quits and not self.task.array.moves and self._is_frozen(float(heat.value[0])):
+            if self.quits and not self.task.array.moves and self._is_frozen(float(heat.value[0])):
                 break
             if not quenched and broken(self.task, self.places) == 0:
                 quenched, end = True, min(end, done + int(tuning.QUENCH * moves))
@@ -185,7 +186,7 @@ class Negotiation:
                 return False
             if traffic.totals[OVER] == 0:
                 return True
-            if effort.quits and turn >= tuning.CROWDED_ROUND and traffic.totals[OVER] > most:
+            if self.quits and turn >= tuning.CROWDED_ROUND and traffic.totals[OVER] > most:
                 self.is_far = True
                 return False
             raise_prices(traffic, self.ii, tuning.HISTORY, tuning.GROWTH, tuning.MOST_PRESSURE)
@@ -251,8 +252,10 @@ class Negotiation:
         `most`; True when nothing is crowded.
         """
         undo = new_undo(self.task, self.traffic)
-        heat = new_heat(*heats, moves)
-        for done in range(0, moves if most is None else most, tuning.REPAIR_SLICE):
+        heat, end = new_heat(*heats, moves), moves if most is None else most
+        if self.quits:
+            end = min(end, tuning.SLICES_IN_HASTE * tuning.REPAIR_SLICE)
+        for done in range(0, end, tuning.REPAIR_SLICE):
             crowding = int(self.traffic.totals[OVER])
             if deadline.passed or crowding == 0 or self._is_hopeless(crowding, done / moves):
                 break
