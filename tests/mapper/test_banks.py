@@ -16,7 +16,8 @@ from vividc.arch.fabric import Scratchpad
 from vividc.dfg.forms.text_parser import parse
 from vividc.dfg.ir import DFG, AddressForm, Edge, EdgeKind, Node
 from vividc.machine.opcodes import ORDER, PRED, Opcode
-from vividc.mapper.resources.banks import Traffic, best_layout, best_starts, words_of
+from vividc.mapper.resources.banks import Traffic, words_of
+from vividc.program.encoder.banks import best_layout, best_starts
 
 PAD = Scratchpad(4096, 4)
 ITERATION = ("%iteration",)

@@ -9,7 +9,8 @@ from dataclasses import replace
 
 from vividc.compiler.planning.estimate import Estimator
 from vividc.host import watch
-from vividc.mapper.resources.banks import Traffic, best_pitches, words_of
+from vividc.mapper.resources.banks import Traffic, words_of
+from vividc.program.encoder.banks import best_pitches
 from vividc.ssa.ir import Function
 from vividc.ssa.polyhedral.subscripts import may_be_spaced
 

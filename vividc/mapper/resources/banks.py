@@ -7,7 +7,6 @@ same ones in every run.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, cached_property, lru_cache
@@ -51,21 +50,6 @@ loop, and arms of branches.
 
 _SURE: Final = 0.5
 """Accesses that meet as often are known to, unless one of them is idle."""
-
-_GAIN: Final = 0.2
-"""Share of the stalls that a start has to save to be taken instead of one before it."""
-
-_NOISE: Final = 0.05
-"""The same of a pitch."""
-
-_BUSY: Final = 0.002
-"""Share of all accesses that a region makes at least to count when the layout is improved."""
-
-_FEW: Final = 0.01
-"""Share of the cycles up to which stalls are no reason to look for another layout."""
-
-_ROUNDS: Final = 3
-"""Times that all pitches and starts are chosen anew."""
 
 _PRODUCTS: Final = 2048
 """Products of words, of so many the draws are kept: 8 MiB."""
@@ -306,8 +290,22 @@ class Traffic:
             bank = _bank(node, drawn, self.banks, known)
         else:
             stage, slot = divmod(self.times[node.id], self.ii)
-            bank = _bank(node, stage, self.banks, known)
+            bank = self._bank_from_start(node, stage, known)
         return np.where(self._idle(node), self.ii * self.banks, slot * self.banks + bank)
+
+    def _bank_from_start(self, node: Node, stage: int, known: Words) -> _Draws:
+        """The bank of an access of what is mapped: where its array starts is added last, as layouts
+        that are compared often differ in nothing else.
+        """
+        start = f"&{node.name}"
+        own = [factor for words, factor in node.address or () if start in words]
+        if start not in known or own != [1] or ((start,), 1) not in (node.address or ()):
+            return _bank(node, stage, self.banks, known)
+        others = tuple(known.get(word) for word in self._words[node.id] if word != start)
+        key = "from its start", node.id, others
+        if key not in self._known:
+            self._known[key] = _bank(node, stage, self.banks, {**known, start: 0})
+        return (self._known[key] + known[start] // WORD_BYTES) % self.banks
 
     def _idle(self, node: Node) -> NDArray[np.bool_]:
         """In which draws an access is not made."""
@@ -317,115 +315,6 @@ class Traffic:
         for arm in self.arms[node.id]:
             idle = idle | (_drawn(f"arms of {arm.choice}", arm.count) != arm.number)
         return np.asarray(idle)
-
-
-def best_pitches(traffic: Sequence[Traffic], matrices: Mapping[str, int]) -> dict[str, int]:
-    """How far apart rows should lie, in elements modulo those that all banks hold, for few stalls:
-    one matrix after the other, the others' as chosen, or any.
-
-    `matrices`: how many elements of each are a word; rows are whole words apart.
-    """
-    banks = traffic[0].banks if traffic else 1
-    known: dict[str, int] = {}
-    for matrix, per_word in matrices.items():
-        word = pitch_of(matrix, 1).key
-        touched = [one for one in traffic if one.touches(matrix)]
-        least = math.inf
-        for pitch in (per_word * (n % banks) for n in range(1, banks + 1)):
-            stalls = sum(one.weight * one.stalls({**known, word: pitch}) for one in touched)
-            if stalls < (1.0 - _NOISE) * least:
-                known[word], least = pitch, stalls
-    return {matrix: known[pitch_of(matrix, 1).key] for matrix in matrices}
-
-
-def best_starts(
-    traffic: Sequence[Traffic], arrays: Sequence[str], pitches: Mapping[str, int] = NOTHING
-) -> dict[str, int]:
-    """The bank that each array should start in, for few stalls; `pitches` of matrices are known.
-
-    One after the other, each where fewest are expected of the arrays so far; in equal cases, one
-    bank behind the array before.
-    """
-    banks = traffic[0].banks if traffic else 1
-    known = words_of({}, pitches)
-    for number, array in enumerate(arrays):
-        word, among = f"&{array}", arrays[: number + 1]
-        touched = [one for one in traffic if one.touches(array)]
-        least = math.inf
-        for start in ((number + more) % banks for more in range(banks)):
-            here = {**known, word: WORD_BYTES * start}
-            stalls = sum(one.weight * one.stalls(here, among) for one in touched)
-            if stalls < (1.0 - _GAIN) * least:
-                known[word], least = WORD_BYTES * start, stalls
-            if not touched:
-                break
-    return {array: known[f"&{array}"] // WORD_BYTES for array in arrays}
-
-
-Layout = tuple[dict[str, int], dict[str, int]]
-"""Pitches of matrices, in elements modulo those that all banks hold, and the banks in which arrays
-start.
-"""
-
-
-def best_layout(
-    traffic: Sequence[Traffic],
-    matrices: Mapping[str, int],
-    arrays: Sequence[str],
-    tries: int = 1,
-) -> Layout:
-    """Pitches of the matrices as `best_pitches` and starts of the arrays as `best_starts`, each
-    then chosen anew as all others are, with all accesses of all regions, until none is better.
-
-    While that leaves stalls, the same begins so many times in all, from other ones that are drawn:
-    of gemm 80 cycles are expected of the first and 24 of a later one.
-    """
-    pitches = best_pitches(traffic, matrices)
-    best = _improved(traffic, matrices, (pitches, best_starts(traffic, arrays, pitches)))
-    least, few = _stalls_with(traffic, best), _FEW * sum(one.weight * one.ii for one in traffic)
-    banks = traffic[0].banks if traffic else 1
-    for turn in range(1, tries):
-        if least <= few:
-            break
-        draw = Random(turn)
-        drawn = (
-            {name: per_word * draw.randrange(banks) for name, per_word in matrices.items()},
-            {name: draw.randrange(banks) for name in best[1]},
-        )
-        layout = _improved(traffic, matrices, drawn)
-        stalls = _stalls_with(traffic, layout)
-        if stalls < (1.0 - _NOISE) * least:
-            best, least = layout, stalls
-    return best
-
-
-def _stalls_with(traffic: Sequence[Traffic], layout: Layout) -> float:
-    pitches, starts = layout
-    known = words_of(starts, pitches)
-    return sum(one.weight * one.stalls(known) for one in traffic)
-
-
-def _improved(traffic: Sequence[Traffic], matrices: Mapping[str, int], layout: Layout) -> Layout:
-    pitches, starts = (dict(part) for part in layout)
-    banks = traffic[0].banks if traffic else 1
-    total = sum(one.weight * len(one.accesses) for one in traffic)
-    busy = [one for one in traffic if one.weight * len(one.accesses) > _BUSY * total]
-    for _ in range(_ROUNDS):
-        before = dict(pitches), dict(starts)
-        for name, chosen in [(name, group) for group in (pitches, starts) for name in group]:
-            touched = [one for one in busy if one.touches(name)]
-            kept, least = chosen[name], math.inf
-            step = matrices[name] if chosen is pitches else 1
-            for value in ((kept + step * n) % (step * banks) for n in range(banks)):
-                chosen[name] = value
-                known = words_of(starts, pitches)
-                stalls = sum(one.weight * one.stalls(known) for one in touched)
-                if stalls < (1.0 - _NOISE) * least:
-                    kept, least = value, stalls
-            chosen[name] = kept
-        if (pitches, starts) == before:
-            break
-    return pitches, starts
 
 
 def words_of(banks: Mapping[str, int], pitches: Mapping[str, int]) -> dict[str, int]:

@@ -68,7 +68,9 @@ class Try:
 
 
 def negotiate_each(tries: Sequence[Try], deadline: Deadline, threads: int) -> list[Mapping | None]:
-    """The mapping of each try, or None; they go on in step, as the sides of one do."""
+    """The mapping of each try, or None, which the caller verifies; they go on in step, as the sides
+    of one do.
+    """
     if any(one.frame for one in tries):
         deadline.charge(tuning.BEGIN_S)
     begun = [_begun(one) for one in tries]
@@ -78,11 +80,7 @@ def negotiate_each(tries: Sequence[Try], deadline: Deadline, threads: int) -> li
         if attempt is not None
     ]
     found = iter(every_result(going, deadline.charge, threads))
-    made = [None if attempt is None else next(found) for attempt in begun]
-    return [
-        None if mapping is None else _checked(mapping, one.problem)
-        for one, mapping in zip(tries, made, strict=True)
-    ]
+    return [None if attempt is None else next(found) for attempt in begun]
 
 
 def _begun(one: Try) -> Negotiation | None:
