@@ -164,6 +164,26 @@ def _dominators(paths: _Paths) -> Mapping[str, frozenset[str]]:
     return result
 
 
+@once_each
+def _spans(paths: _Paths) -> Mapping[str, tuple[int, int]]:
+    """Of each block that can be reached its place in a walk along the tree of dominators, and the
+    first place behind all that it dominates: sets of these take a function of 800 blocks longer.
+    """
+    above = _immediate_dominators(paths)
+    below = dict.fromkeys(above, 1)
+    for name in reversed(tuple(above)):
+        if name != paths.entry:
+            below[above[name]] += below[name]
+    spans = {paths.entry: (0, len(above))}
+    free = {paths.entry: 1}
+    for name, nearest in above.items():
+        if name != paths.entry:
+            first = free[nearest]
+            spans[name] = first, first + below[name]
+            free[name], free[nearest] = first + 1, first + below[name]
+    return spans
+
+
 def find_loops(function: Function) -> tuple[Loop, ...]:
     """All natural loops, innermost first (fewest blocks), then in block order."""
     return _loops(_paths(function))
@@ -171,11 +191,11 @@ def find_loops(function: Function) -> tuple[Loop, ...]:
 
 @once_each
 def _loops(paths: _Paths) -> tuple[Loop, ...]:
-    above = _dominators(paths)
+    spans = _spans(paths)
     latches: dict[str, dict[str, None]] = {}
     for name, targets in paths.successors.items():
-        for target in targets if name in above else ():
-            if target in above[name]:
+        for target in targets if name in spans else ():
+            if spans[target][0] <= spans[name][0] < spans[target][1]:
                 latches.setdefault(target, {})[name] = None
     order = {name: index for index, name in enumerate(paths.successors)}
     loops = [_loop(paths, order, header, tuple(ends)) for header, ends in latches.items()]
@@ -205,7 +225,7 @@ def blocks_of_pipelined_loops(function: Function) -> frozenset[str]:
 def _loop(paths: _Paths, order: Mapping[str, int], header: str, latches: tuple[str, ...]) -> Loop:
     """`order`: the place of each block."""
     sources, after = _predecessors(paths), paths.successors
-    reached = _dominators(paths)
+    reached = _spans(paths)
     body = {header}
     work = [latch for latch in latches if latch != header]
     while work:

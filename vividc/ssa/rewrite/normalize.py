@@ -216,17 +216,17 @@ def _close_loop(function: Function, loop: Loop) -> Function:
     for block in function.blocks:
         if block.name in loop.blocks:
             inside |= defined_types(block)
-    used = _used_outside(function, loop, exit_name)
+    used = inside.keys() & _used_outside(function, loop, exit_name)
+    if not used:
+        return function
     sources = list(dict.fromkeys(source for source, _ in loop.exits))
     free = next_id(function)
     added: list[Phi] = []
     renamed: dict[int, Value] = {}
-    for number, item in enumerate(sorted(used & inside.keys())):
+    for number, item in enumerate(sorted(used)):
         phi = Phi(free + number, inside[item], tuple((s, Ref(item)) for s in sources))
         added.append(phi)
         renamed[item] = Ref(phi.id)
-    if not added:
-        return function
     outside = replace(
         function, blocks=tuple(b for b in function.blocks if b.name not in loop.blocks)
     )
