@@ -1,16 +1,25 @@
-"""Every transformation of every loop of random programs keeps what they mean, several in a row."""
+"""Every transformation of every loop of random programs keeps what they mean, several in a row;
+what does not pay is foreseen.
+"""
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import vividc
 from tests.dfg.cut.test_build import meaning, memory_after
 from tests.programs import CELLS, Nest, affine_nests, lower, programs
+from vividc import arch
 from vividc.compiler.planning.candidates import Candidate, Kind, apply
+from vividc.compiler.planning.choose import choose
+from vividc.compiler.planning.estimate import Estimator
+from vividc.compiler.planning.options import LoopOptions
+from vividc.compiler.planning.plan import Draft
 from vividc.compiler.planning.state import State
 from vividc.dfg.cut.build import build_kernel
-from vividc.dfg.pipeline import optimize_kernel
+from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.ssa.analysis.frequency import expected_trips
 from vividc.ssa.check import check_function
 from vividc.ssa.flow import find_loops
@@ -62,3 +71,65 @@ def test_random_programs(program: tuple[object, ...], wanted: list[tuple[Kind, i
 def test_random_nests(nest: Nest, wanted: list[tuple[Kind, int, int]]) -> None:
     kernel = build_kernel(transformed(lower(nest.program), wanted).function)
     assert memory_after(kernel, CELLS) == meaning(nest.program, CELLS)
+
+
+@vividc.kernel(f"void({', '.join(['float32[:, ::1]'] * 4)})")
+def sums(a, b, c, d):
+    """Recurrences that no unrolling shortens."""
+    for i in range(1, a.shape[0]):
+        for j in range(1, a.shape[1]):
+            a[i, j] += a[i - 1, j - 1] * a[i, j - 1]
+    for i in range(1, b.shape[0]):
+        for j in range(1, b.shape[1]):
+            b[i, j] += b[i - 1, j - 1] * b[i, j - 1]
+    for i in range(1, c.shape[0]):
+        for j in range(1, c.shape[1]):
+            c[i, j] += c[i - 1, j - 1] * c[i, j - 1]
+    for i in range(1, d.shape[0]):
+        for j in range(1, d.shape[1]):
+            d[i, j] += d[i - 1, j - 1] * d[i, j - 1]
+
+
+def draft(kernel: vividc.KernelFunction) -> Draft:
+    estimator = Estimator(arch.load("vivid-tile"), PassOptions())
+    function = tidy(kernel.lower())
+    made = Draft(estimator, LoopOptions(), [])
+    made.start(State(function, expected_trips(function, {})))
+    return made
+
+
+def inner(of: Draft) -> list[str]:
+    function = of.now.state.function
+    return [loop.header for loop in find_loops(function) if loop.header not in of.outermost()]
+
+
+def test_a_candidate_in_vain_is_foreseen_from_its_nest_alone() -> None:
+    of = draft(sums)
+    assert len(inner(of)) == 4
+    for header in inner(of):
+        candidate = Candidate("masked unrolling", header, 2)
+        foreseen = of.foreseen(of.now, candidate, 0.9, 1000)
+        assert foreseen is not None
+        state = of.applied(of.now.state, candidate)
+        assert isinstance(state, State)
+        whole = of.estimator.estimate(state.function, state.hints)
+        assert foreseen.cycles == pytest.approx(whole.cycles, rel=0.01)
+
+
+def test_what_may_pay_is_not_foreseen() -> None:
+    of = draft(sums)
+    candidate = Candidate("masked unrolling", inner(of)[0], 2)
+    assert of.foreseen(of.now, candidate, 1.5, 1000) is None
+
+
+def test_a_nest_that_takes_less_than_it_would_have_to_save_is_left_alone() -> None:
+    of = draft(sums)
+    first, *others = inner(of)
+    trips = {first: 1e5, **dict.fromkeys(others, 10.0)}
+    options = LoopOptions(restructure=False)
+    plan = choose(sums.lower(), of.estimator, options, trips=trips)
+    tried = {d.header: d for d in plan.decisions if d.kind == "masked unrolling"}
+    assert tried[first].after is not None
+    assert tried[first].reason == "does not pay"
+    assert {tried[one].after for one in others} == {None}
+    assert {tried[one].reason for one in others} == {"takes less than it would have to save"}

@@ -44,3 +44,21 @@ def test_other_loops_stay() -> None:
     assert outer(made) == [header for header in outer(function) if header != first]
     assert without_loops(function, []) == (function, frozenset())
     assert first in taken
+
+
+@vividc.kernel("void(int32[::1], int32[:, ::1])")
+def inside(a, b):
+    for i in range(b.shape[0]):
+        for j in range(len(a)):
+            a[j] += 1
+        for j in range(b.shape[1]):
+            b[i, j] = a[j]
+
+
+def test_loops_beside_another_one_in_a_loop_are_left_out() -> None:
+    function = tidy(inside.lower())
+    first, second, around = outer(function)
+    made, taken = without_loops(function, [first])
+    assert check_function(made) == []
+    assert outer(made) == [second, around]
+    assert without_loops(function, [first, around])[1] > taken

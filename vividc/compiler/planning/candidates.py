@@ -226,10 +226,16 @@ def _fully(state: State, header: str) -> State | Refusal:
         function = tidy(peeled.function)
 
 
+def changed_by(state: State, candidate: Candidate) -> str:
+    """The header of the loop that a candidate makes another one of."""
+    is_inside = candidate.kind == "full unrolling"
+    return _around(state, candidate.header) if is_inside else candidate.header
+
+
 def _around(state: State, header: str) -> str:
-    """The loop around, which becomes another one by the unrolling."""
-    around = [loop for loop in find_loops(state.function) if header in loop.blocks]
-    return next((loop.header for loop in around if loop.header != header), header)
+    """The loop around, which becomes another one by full unrolling; itself if there is none."""
+    loops = [loop for loop in find_loops(state.function) if header in loop.blocks]
+    return next((loop.header for loop in loops if loop.header != header), header)
 
 
 def has_known_length(state: State, header: str) -> bool:

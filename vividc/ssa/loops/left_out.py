@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 from vividc.ssa.edit import defined_types, read_values, retarget
 from vividc.ssa.flow import Loop, find_loops
-from vividc.ssa.ir import Function, Ref
+from vividc.ssa.ir import Block, Function, Ref
 
 
 def without_loops(function: Function, headers: Collection[str]) -> tuple[Function, frozenset[str]]:
@@ -15,43 +15,62 @@ def without_loops(function: Function, headers: Collection[str]) -> tuple[Functio
     had run, and the names of the blocks that it lacks. It computes something else.
     """
     taken: frozenset[str] = frozenset()
-    for loop in find_loops(function):
-        if loop.header in headers and _leaves_nothing(function, loop):
-            function = _jumped_over(function, loop)
+    behind: dict[str, str] = {}
+    loops = [loop for loop in reversed(find_loops(function)) if loop.header in headers]
+    readers = _readers(function) if loops else {}
+    for loop in loops:
+        if loop.header in taken:
+            continue
+        target = _behind(function, loop)
+        if target is not None and _leaves_nothing(function, loop, taken, readers):
+            behind[loop.header] = target
             taken |= loop.blocks
-    return function, taken
+    if not taken:
+        return function, taken
+    left = (block for block in function.blocks if block.name not in taken)
+    return replace(function, blocks=tuple(_jumped(block, behind) for block in left)), taken
 
 
-def _leaves_nothing(function: Function, loop: Loop) -> bool:
-    """Whether one block is behind the loop, and no value of the loop is read outside."""
+def _readers(function: Function) -> dict[int, set[str]]:
+    """Names of the blocks that read each value."""
+    readers: dict[int, set[str]] = {}
+    for block in function.blocks:
+        for value in read_values(block):
+            if isinstance(value, Ref):
+                readers.setdefault(value.id, set()).add(block.name)
+    return readers
+
+
+def _behind(function: Function, loop: Loop) -> str | None:
+    """The only block behind a loop, if that takes no values from it."""
     behind = {target for _, target in loop.exits}
-    if len(behind) != 1 or function.by_name[next(iter(behind))].phis:
-        return False
-    own = {
-        ident
-        for block in function.blocks
-        if block.name in loop.blocks
-        for ident in defined_types(block)
-    }
-    return not any(
-        isinstance(value, Ref) and value.id in own
-        for block in function.blocks
-        if block.name not in loop.blocks
-        for value in read_values(block)
+    target = behind.pop() if len(behind) == 1 else None
+    return None if target is None or function.by_name[target].phis else target
+
+
+def _leaves_nothing(
+    function: Function, loop: Loop, taken: frozenset[str], readers: Mapping[int, set[str]]
+) -> bool:
+    """Whether no value of the loop is read outside, but in blocks that are taken."""
+    inside = loop.blocks | taken
+    return all(
+        readers[ident] <= inside
+        for name in loop.blocks
+        for ident in defined_types(function.by_name[name])
+        if ident in readers
     )
 
 
-def _jumped_over(function: Function, loop: Loop) -> Function:
-    """The function with jumps past the loop where it was entered."""
-    [behind] = {target for _, target in loop.exits}
-    blocks = []
-    for block in function.blocks:
-        if block.name in loop.blocks:
+def _jumped(block: Block, behind: Mapping[str, str]) -> Block:
+    """The block with jumps past loops where they were entered."""
+    for name in block.branch.successors:
+        target = name
+        while target in behind:
+            target = behind[target]
+        if target == name:
             continue
-        if loop.header in block.branch.successors:
-            branch = retarget(block.branch, loop.header, behind)
-            if branch.cond is not None and branch.target == branch.otherwise:
-                branch = replace(branch, cond=None, otherwise=None)
-            block = replace(block, branch=branch)  # noqa: PLW2901 - the edited copy
-        blocks.append(block)
-    return replace(function, blocks=tuple(blocks))
+        branch = retarget(block.branch, name, target)
+        if branch.cond is not None and branch.target == branch.otherwise:
+            branch = replace(branch, cond=None, otherwise=None)
+        block = replace(block, branch=branch)
+    return block
