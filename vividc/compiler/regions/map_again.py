@@ -51,7 +51,7 @@ _SAVES: Final = 0.002
 
 _SEEDS: Final = range(1, 9)
 
-_EFFORT: Final = Effort(moves=6000, rounds=30, repairs=60, trials=1)
+_EFFORT: Final = Effort(rounds=30, repairs=60, trials=1)
 """Of each seed; each comes to other stalls."""
 
 _WEIGHT: Final = 10.0
@@ -98,6 +98,8 @@ class Haste:
     most_s, worth_s
         Seconds of effort for a kernel's stalls, and for its iterations: at most, and for a share of
         its loops' cycles that they might be fewer by, times that share.
+    moves
+        Of each seed for fewer stalls, by operation: more seeds of fewer come to the same.
     is_frugal
         Annealing ends where what is broken is frozen, and every other seed alters the best mapping
         so far, which takes a third of the moves.
@@ -105,6 +107,7 @@ class Haste:
 
     most_s: float
     worth_s: float
+    moves: int
     is_frugal: bool
 
     def worth(self, share: float) -> float:
@@ -112,9 +115,9 @@ class Haste:
         return self.worth_s * share if share > 0.0 else 0.0
 
 
-_LONG: Final = Haste(most_s=5.0, worth_s=math.inf, is_frugal=False)
+_LONG: Final = Haste(most_s=5.0, worth_s=math.inf, moves=6000, is_frugal=False)
 _HASTES: Final[dict[str, Haste]] = {
-    "normal": Haste(most_s=2.5, worth_s=10.0, is_frugal=True),
+    "normal": Haste(most_s=2.5, worth_s=10.0, moves=4000, is_frugal=True),
     "thorough": _LONG,
     "prove": _LONG,
 }
@@ -430,8 +433,8 @@ class _Loops(_Costs):
         enough = least - (1.0 - _ENOUGH) * stalls
         best: _Again | None = None
         altered = old
-        most, idle = max(_IDLE, int(_IDLE_S / annealing_s(problem, _EFFORT))), 0
-        effort = replace(_EFFORT, quits=self.haste.is_frugal)
+        effort = replace(_EFFORT, moves=self.haste.moves, quits=self.haste.is_frugal)
+        most, idle = max(_IDLE, int(_IDLE_S / annealing_s(problem, effort))), 0
         for seeds in self.in_turns(_SEEDS):
             if least <= enough or idle >= most or self._is_over(problem, effort, until):
                 break
