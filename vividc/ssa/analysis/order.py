@@ -15,6 +15,7 @@ from typing import Final
 
 from vividc.machine.opcodes import Opcode
 from vividc.machine.words import signed
+from vividc.ssa.analysis.induction import induction_of
 from vividc.ssa.analysis.polynomial import Polynomial
 from vividc.ssa.flow import Flow, flow_of
 from vividc.ssa.ir import (
@@ -132,28 +133,35 @@ class Order:
         """Sums that are not negative wherever `block` runs."""
         if block not in self._facts:
             found: list[Sum] = []
-            for name in self._flow.dominators(block):
-                before = self._flow.predecessors[name]
-                if len(before) == 1:
-                    branch = self.function.by_name[before[0]].branch
-                    if branch.cond is not None and branch.target != branch.otherwise:
-                        found += self.implied(branch.cond, name == branch.target)
-            self._facts[block] = tuple(dict.fromkeys(found))
+            for condition, truth in reversed([*self._known_in(block)]):
+                found += self.implied(condition, truth, found)
+            self._facts[block] = tuple(dict.fromkeys(reversed(found)))
         return self._facts[block]
 
-    def implied(self, condition: Value, truth: bool) -> Iterator[Sum]:
-        """Sums that are not negative if a condition has this truth."""
+    def _known_in(self, block: str) -> Iterator[tuple[Value, bool]]:
+        """Conditions that decide whether a block runs, the nearest first, and their truth in it."""
+        for name in self._flow.dominators(block):
+            before = self._flow.predecessors[name]
+            if len(before) == 1:
+                branch = self.function.by_name[before[0]].branch
+                if branch.cond is not None and branch.target != branch.otherwise:
+                    yield branch.cond, name == branch.target
+
+    def implied(self, condition: Value, truth: bool, facts: Iterable[Sum] = ()) -> Iterator[Sum]:
+        """Sums that are not negative if a condition has this truth where these are not."""
         made = definition_of(self.function, condition)
         if not isinstance(made, Instr):
             return
         if made.op in (Opcode.AND, Opcode.OR):
             if (made.op is Opcode.AND) == truth:
                 for part in made.operands:
-                    yield from self.implied(part, truth)
+                    yield from self.implied(part, truth, facts)
             return
         kind = _COMPARED.get(made.op)
         left, right = map(self.sum_of, made.operands[:2])
-        if kind is None or (made.op in _UNSIGNED and not self._are_natural(left, right)):
+        if kind is None:
+            return
+        if made.op in _UNSIGNED and not self._are_natural(left, right, tuple(facts)):
             return
         if kind == "lt":
             yield right.less(left, 1) if truth else left.less(right)
@@ -201,6 +209,14 @@ class Order:
     def equal(self, left: Sum, right: Sum, facts: tuple[Sum, ...]) -> Lacking | None:
         """What would have to hold for two sums to be equal."""
         return _all([self._lacking(one, facts) for one in (left.less(right), right.less(left))])
+
+    def is_natural(self, value: Value, block: str) -> bool:
+        """Whether a value proves not to be negative where `block` runs."""
+        return self.is_proved(self.sum_of(value), self.facts(block))
+
+    def is_proved(self, wanted: Sum, facts: tuple[Sum, ...]) -> bool:
+        """Whether a sum proves not to be negative where `facts` are not."""
+        return self._proved(wanted, facts) == ()
 
     def _are_natural(self, left: Sum, right: Sum, facts: tuple[Sum, ...] = ()) -> bool:
         """Whether a comparison without signs is one with signs."""
@@ -287,7 +303,8 @@ class Order:
         sides = [self.sum_of(side) for side in made.operands[-2:]]
         cases = [wanted.with_value(value, side) for side in sides]
         if made.op is Opcode.SELECT:
-            held = [tuple(self.implied(made.operands[0], truth)) for truth in (True, False)]
+            test = made.operands[0]
+            held = [tuple(self.implied(test, truth, facts)) for truth in (True, False)]
             return _all(
                 self._search(case, (*facts, *own), depth, lacks=lacks)
                 for case, own in zip(cases, held, strict=True)
@@ -317,6 +334,8 @@ class Order:
         body = self._flow.loops.get(home)
         if body is None:
             return
+        if self._counts_down(phi, body):
+            yield Sum(((value, 1),))
         starts = [one for name, one in phi.incoming if name not in body]
         ends = [self.sum_of(one) for name, one in phi.incoming if name in body]
         steps = [end.less(self.sum_of(value)) for end in ends]
@@ -327,6 +346,30 @@ class Order:
             yield ahead
         elif all(step.constant <= 0 for step in steps):
             yield Sum((), 0).less(ahead)
+
+    def _counts_down(self, phi: Phi, body: frozenset[str]) -> bool:
+        """Whether a counter starts with no negative number, and falls by 1 where it is not 0."""
+        induction = induction_of(self.function, body, phi)
+        if induction is None or induction.start is None or induction.step != -1:
+            return False
+        again = [name for name, _ in phi.incoming if name in body]
+        before = [name for name, _ in phi.incoming if name not in body]
+        steps, start = self._steps, self.sum_of(induction.start)
+        is_natural = all(self._proved(start, self.facts(name)) == () for name in before)
+        self._steps = steps
+        return is_natural and all(
+            any(self._is_nonzero(phi, *known) for known in self._known_in(name)) for name in again
+        )
+
+    def _is_nonzero(self, phi: Phi, condition: Value, truth: bool) -> bool:
+        """Whether a condition with this truth says that a phi is not 0."""
+        made, zero = definition_of(self.function, condition), Const(0)
+        if not isinstance(made, Instr):
+            return False
+        if made.op is Opcode.ICMP_ULT:
+            return truth and made.operands == (zero, Ref(phi.id))
+        kind = Opcode.ICMP_NE if truth else Opcode.ICMP_EQ
+        return made.op is kind and {*made.operands} == {zero, Ref(phi.id)}
 
 
 def _all(parts: Iterable[Lacking | None]) -> Lacking | None:

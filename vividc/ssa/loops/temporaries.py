@@ -8,12 +8,11 @@ for Modern Architectures", 2001). Every bit stays.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
 from vividc.machine.opcodes import MEMORY, Opcode
-from vividc.machine.params import TRAP
 from vividc.machine.words import WORD_BYTES
 from vividc.ssa.analysis.counters import counter_of
 from vividc.ssa.analysis.order import Order
@@ -21,6 +20,7 @@ from vividc.ssa.analysis.polynomial import Polynomial, Polynomials, symbol
 from vividc.ssa.edit import FreshIds, replaced, with_blocks
 from vividc.ssa.flow import Flow, Loop, find_loops, flow_of
 from vividc.ssa.ir import Const, Function, Instr, Phi, Ref, Value, definition_of
+from vividc.ssa.loops.forwarded import is_plain, own_arrays, reached
 from vividc.ssa.loops.left_out import without_loops
 from vividc.ssa.polyhedral.subscripts import FlatRows
 from vividc.ssa.rewrite.dead import remove_unused
@@ -35,10 +35,7 @@ _MOST_DIMENSIONS: Final = 2
 
 def without_temporaries(function: Function) -> Function:
     """The function without arrays whose elements are computed again where they are loaded."""
-    kept = {one.name for one in function.locals if one.contents is None}
-    kept -= {name for name in kept if name.startswith(TRAP)}
-    kept -= set() if function.results is None else {*function.results.made}
-    for name in sorted(kept):
+    for name in own_arrays(function):
         found = _Temporary.of(function, name)
         function = (found and found.removed()) or function
     return function
@@ -68,7 +65,7 @@ class _Temporary:
         ]
         stores = [one for one in accesses if one.op is Opcode.STORE]
         loads = tuple(one for one in accesses if one.op is Opcode.LOAD)
-        plain = all(_is_plain(one) for one in accesses)
+        plain = all(_is_whole(one) for one in accesses)
         if len(stores) != 1 or not loads or not plain:
             return None
         homes = {function.block_of[one.id] for one in loads}
@@ -118,7 +115,7 @@ class _Temporary:
         """
         index = Polynomials(self.function, pitches=True).of(access.operands[1])
         if len(self.loops) == 1:
-            if 1 << access.shift == WORD_BYTES:
+            if access.shift == self.store.shift and 1 << access.shift >= WORD_BYTES:
                 yield (index,), None
             return
         block = self.function.block_of[access.id]
@@ -164,7 +161,7 @@ class _Temporary:
                 return True
             if self.function.block_of[made.id] not in inside:
                 return True
-            if isinstance(made, Phi) or (made.op in MEMORY and not _is_plain(made)):
+            if isinstance(made, Phi) or (made.op in MEMORY and not _is_whole(made)):
                 return False
             if len(found) > _MOST or not all(map(visit, made.operands)):
                 return False
@@ -181,8 +178,8 @@ class _Temporary:
         header = self.loops[0].header
         [(_, behind)] = self.loops[0].exits
         homes = {self.function.block_of[one.id] for one in self.loads}
-        after = _reached(self.flow.successors, {behind}, header)
-        before = _reached(self.flow.predecessors, homes, header)
+        after = reached(self.flow.successors, {behind}, header)
+        before = reached(self.flow.predecessors, homes, header)
         between = (after & before) | self.loops[0].blocks
         return not any(
             instr.op is Opcode.STORE and instr.array in loaded
@@ -239,11 +236,9 @@ class _Temporary:
         return next((one.type for one in tree if Ref(one.id) == self.store.operands[2]), None)
 
 
-def _is_plain(access: Instr) -> bool:
-    """Whether an access is to a whole word, and no predicate's."""
-    plain = 2 if access.op is Opcode.LOAD else 3
-    is_whole = access.width == WORD_BYTES and not access.offset
-    return is_whole and len(access.operands) == plain and access.lane is None
+def _is_whole(access: Instr) -> bool:
+    """Whether an access is to a whole word at its index, and no predicate's."""
+    return is_plain(access) and not access.offset
 
 
 def _value(place: Polynomial) -> Value | None:
@@ -252,17 +247,6 @@ def _value(place: Polynomial) -> Value | None:
         return Const(place.constant) if place.constant >= 0 else None
     [(monomial, factor), *more] = place.terms.items()
     return monomial[0] if len(monomial) == 1 and factor == 1 and not more else None
-
-
-def _reached(edges: Mapping[str, tuple[str, ...]], starts: set[str], without: str) -> set[str]:
-    """Blocks that edges lead to, not through one of them."""
-    found, work = set(starts), list(starts)
-    while work:
-        for name in edges[work.pop()]:
-            if name not in found and name != without:
-                found.add(name)
-                work.append(name)
-    return found
 
 
 def _computed(function: Function, load: Instr, instrs: tuple[Instr, ...], value: Value) -> Function:

@@ -131,6 +131,7 @@ class FlatRows:
             if param.ndim == 2 and not param.flat  # noqa: PLR2004 - rows, columns
         }
         self._known |= {one.name: None for one in function.locals if one.contents is None}
+        self._known |= {param.name: None for param in function.params if param.made}
 
     def taken_apart(
         self,

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import vividc
-from tests.ssa.loops.sizes.slices import KERNELS, V, apart, arguments, factors, products, ranked
+from tests.ssa.loops.sizes.expressions import arguments_of, kernel_of
+from tests.ssa.loops.sizes.slices import KERNELS, M, V, apart, arguments, factors, products, ranked
 from vividc.errors import SSAError
 from vividc.frontend import KernelFunction
 from vividc.machine.opcodes import Opcode
@@ -72,10 +73,12 @@ def test_slices_are_not_clamped_where_sizes_agree(kernel: KernelFunction) -> Non
 
 
 def test_arrays_between_products_go() -> None:
-    """alpha * a is made where it is multiplied; the product itself is an array."""
+    """alpha * a is made where it is multiplied, and the product is a sum's value where it is added
+    to beta * c: one nest is left.
+    """
     made = agreeing(sized(products))
     stored = {i.array for b in made.blocks for i in b.instrs if i.op is Opcode.STORE}
-    assert len(stored) == 2
+    assert stored == {"c"}
 
 
 @vividc.kernel(f"void({V}, {V})")
@@ -117,3 +120,39 @@ def test_a_program_runs_for_all_sizes(kernel: KernelFunction) -> None:
         vividc.simulate(program, *mine)
         for one, other in zip(mine, theirs, strict=True):
             np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize("seed", range(1, 5))
+def test_random_kernels_mean_the_same(seed: int) -> None:
+    kernel = kernel_of(seed)
+    before = tidy(kernel.lower())
+    after = for_sizes(before)
+    assert after is not None
+    assert check_function(after.function) == []
+    for args in arguments_of(seed):
+        assert outcome(after.function, args) == outcome(before, args)
+
+
+@vividc.kernel(f"void(int64, {M}, {V})")
+def of_rows(n, a, x):
+    """Ends of slices from a scalar, which numba computes in 64 bits."""
+    for i in range(1, n - 1):
+        a[1 : n - 1, i] = a[1 : n - 1, i - 1] * np.float32(2)
+        x[1:n] = x[: n - 1] + a[i, 1:n]
+
+
+def test_ends_from_scalars_are_words_where_sizes_agree() -> None:
+    made = agreeing(sized(of_rows))
+    ops = {instr.op for block in made.blocks for instr in block.instrs}
+    assert ops.isdisjoint({Opcode.SMIN, Opcode.SMAX, Opcode.SELECT, Opcode.ASHR, Opcode.ICMP_ULT})
+
+
+@vividc.kernel(f"{V}(float32, float32, {M}, {M}, {V})")
+def summed(alpha, beta, a, b, x):
+    return alpha * a @ x + beta * b @ x
+
+
+def test_expressions_of_the_same_rows_are_one_nest() -> None:
+    made = sized(summed).function
+    others = {block.name for block in made.blocks if ".other" in block.name}
+    assert len([one for one in find_loops(made) if one.header not in others]) == 2

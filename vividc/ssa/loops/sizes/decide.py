@@ -4,12 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Final
 
 from vividc.machine.opcodes import Opcode, Type
+from vividc.machine.words import WORD_BITS
 from vividc.ssa.analysis.order import Order
 from vividc.ssa.edit import replaced
 from vividc.ssa.ir import Block, Const, Function, Instr, Ref, Value, definition_of
+from vividc.ssa.loops.sizes.exact import with_exact_sums
 from vividc.ssa.rewrite.simplify import simplify
+
+_SIGN: Final = Const(WORD_BITS - 1)
+"""By so many bits an integer is shifted for what the higher word of one of 64 bits is."""
 
 
 def decided(function: Function) -> Function:
@@ -18,7 +24,7 @@ def decided(function: Function) -> Function:
     """
     before = None
     while function is not before:
-        before, function = function, _once(function)
+        before, function = function, _once(with_exact_sums(function))
     return function
 
 
@@ -45,6 +51,9 @@ def _values(order: Order) -> Iterator[tuple[int, Value]]:
                 value = _extremum(order, instr, block.name)
             elif instr.op is Opcode.SELECT:
                 value = _selected(order, instr, block.name)
+            elif instr.op is Opcode.ASHR and instr.operands[1] == _SIGN:
+                is_natural = order.at_most(Const(0), instr.operands[0], block.name) == ()
+                value = Const(0) if is_natural else None
             elif instr.type is Type.PRED and instr.op not in (Opcode.AND, Opcode.OR, Opcode.XOR):
                 truth = order.truth(Ref(instr.id), block.name)
                 value = None if truth is None else Const(int(truth))
@@ -71,7 +80,8 @@ def _selected(order: Order, instr: Instr, block: str) -> Value | None:
         return None
     one, other = map(order.sum_of, sides)
     for truth, kept in ((False, sides[0]), (True, sides[1])):
-        facts = (*order.facts(block), *order.implied(condition, truth))
+        facts = order.facts(block)
+        facts = (*facts, *order.implied(condition, truth, facts))
         if order.equal(one, other, facts) == ():
             return kept
     return None

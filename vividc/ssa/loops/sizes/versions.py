@@ -31,6 +31,9 @@ from vividc.ssa.ir import (
     definition_of,
     is_dimension,
 )
+from vividc.ssa.loops.forwarded import forwarded
+from vividc.ssa.loops.fused import fused
+from vividc.ssa.loops.sizes.by_counters import by_counters
 from vividc.ssa.loops.sizes.decide import decided
 from vividc.ssa.loops.temporaries import without_temporaries
 from vividc.ssa.polyhedral.subscripts import FlatRows
@@ -40,6 +43,8 @@ from vividc.ssa.rewrite.tidy import tidy
 _ORDERED: Final = frozenset({Opcode.ICMP_SLT, Opcode.ICMP_SLE, Opcode.ICMP_ULT, Opcode.ICMP_ULE})
 _MOST_TESTS: Final = 12
 _LIKELY: Final = 0.9
+_ROUNDS: Final = 4
+"""Times that is asked for sizes: what is decided by the first shows what is asked by the next."""
 
 
 @dataclass(frozen=True)
@@ -57,18 +62,52 @@ def for_sizes(function: Function) -> Sized | None:
     """A kernel with a version for sizes that agree; None: nothing asks for them, or they cannot be
     tested before it.
     """
-    wanted = _wanted(function)
-    if not any(len(one.terms) > 1 for one in wanted) or len(wanted) > _MOST_TESTS:
-        return None
     names = [block.name for block in function.blocks]
-    start, entry = first_free(names, "sizes"), function.blocks[0].name
-    other = first_free(names, f"{entry}.other")
-    instrs, cond = _tests(FreshIds(function), wanted)
+    entry = function.blocks[0].name
+    start, other = first_free(names, "sizes"), first_free(names, f"{entry}.other")
+    agreeing, given = function, tuple[Sum, ...]()
+    for _ in range(_ROUNDS):
+        wanted = _without_implied((*given, *_wanted(agreeing, given)))
+        if wanted == given:
+            break
+        if len([*_comparisons(wanted)]) > _MOST_TESTS:
+            return None
+        agreeing, given = _agreeing(agreeing, wanted, start, other), wanted
+    if not any(len(one.terms) > 1 for one in given):
+        return None
+    instrs, cond = _tests(FreshIds(agreeing), given)
     leave = Branch(entry, cond, other, loc=function.blocks[0].branch.loc)
-    blocks = (Block(start, (), instrs, leave), *_with_one_name(function, wanted).blocks)
-    agreeing = replace(function, blocks=(*blocks, Block(other, (), (), Branch())))
-    agreeing = without_temporaries(tidy(decided(agreeing)))
+    blocks = (Block(start, (), instrs, leave), *agreeing.blocks, Block(other, (), (), Branch()))
+    agreeing = tidy(by_counters(tidy(decided(replace(agreeing, blocks=blocks)))))
+    agreeing = without_temporaries(_together(agreeing))
+    agreeing = _together(agreeing)
     return _joined(agreeing, function, other)
+
+
+def _together(function: Function) -> Function:
+    """The function with loops fused, and what one leaves for the next one in registers."""
+    made = fused(function)
+    return function if made is function else tidy(forwarded(tidy(made)))
+
+
+def _agreeing(function: Function, given: tuple[Sum, ...], start: str, other: str) -> Function:
+    """The function without what is decided where these sums are not negative."""
+    entry = function.blocks[0].name
+    instrs, cond = _tests(FreshIds(function), given)
+    named = _with_one_name(function, given)
+    blocks = (Block(start, (), instrs, Branch(entry, cond, other)), *named.blocks)
+    made = decided(replace(function, blocks=(*blocks, Block(other, (), (), Branch()))))
+    kept = tuple(block for block in made.blocks if block.name not in (start, other))
+    return replace(made, blocks=kept)
+
+
+def _without_implied(wanted: tuple[Sum, ...]) -> tuple[Sum, ...]:
+    """The sums without those that others imply, which differ from them by a constant."""
+    least: dict[tuple[tuple[Value, int], ...], Sum] = {}
+    for one in wanted:
+        if one.constant <= least.setdefault(one.terms, one).constant:
+            least[one.terms] = one
+    return tuple(least.values())
 
 
 def _joined(agreeing: Function, function: Function, other: str) -> Sized:
@@ -87,13 +126,16 @@ def _joined(agreeing: Function, function: Function, other: str) -> Sized:
 
 
 def _with_one_name(function: Function, wanted: tuple[Sum, ...]) -> Function:
-    """The function with one of two dimensions that are equal for the other; pitches stay."""
+    """The function with one of two inputs that are equal for the other, a dimension; pitches
+    stay.
+    """
     names: dict[Value, Value] = {}
     for one in wanted:
         if Sum(()).less(one) in wanted:
-            [(first, _), (second, _)] = sorted(one.terms, key=lambda term: repr(term[0]))
-            if is_dimension(first) and is_dimension(second):
-                names[second] = first
+            values = sorted((value for value, _ in one.terms), key=repr)
+            values.sort(key=lambda value: not is_dimension(value))
+            if is_dimension(values[0]) and not one.constant:
+                names[values[1]] = values[0]
 
     def named(value: Value) -> Value:
         while value in names:
@@ -104,9 +146,9 @@ def _with_one_name(function: Function, wanted: tuple[Sum, ...]) -> Function:
     return replace(function, blocks=blocks)
 
 
-def _wanted(function: Function) -> tuple[Sum, ...]:
-    """Sums of inputs that are not negative where sizes agree."""
-    order = Order(function, may_lack=True)
+def _wanted(function: Function, given: tuple[Sum, ...]) -> tuple[Sum, ...]:
+    """More sums of inputs that are not negative where sizes agree and those given are not."""
+    order = Order(function, list(given), may_lack=True)
     rows = FlatRows(function, order)
     blocks = [function.by_name[name] for name in flow_of(function).order]
     inside = {name for loop in find_loops(function) for name in loop.blocks}
@@ -115,12 +157,12 @@ def _wanted(function: Function) -> tuple[Sum, ...]:
         for lacking in _asked(order, block):
             order.given += [one for one in lacking if one not in order.given]
             asks = asks or (block.name in inside and bool(lacking))
-    if not asks:
+    if not (asks or given):
         return ()
     for block in blocks if order.given else ():
         for lacking in _in_rows(order, rows, block):
             order.given += [one for one in lacking if one not in order.given]
-    return tuple(order.given)
+    return tuple(order.given[len(given) :])
 
 
 def _in_rows(order: Order, rows: FlatRows, block: Block) -> Iterator[tuple[Sum, ...]]:
@@ -149,6 +191,9 @@ def _asked(order: Order, block: Block) -> Iterator[tuple[Sum, ...]]:
             if known:
                 yield min(known, key=_rank)
         elif instr.op is Opcode.SELECT:
+            lacking = order.lacks(instr.operands[0], False, block.name) if _turns(instr) else None
+            if lacking is not None:
+                yield lacking
             yield from _agreement(order, instr.operands[0], block.name, made)
     branch = block.branch
     if branch.cond is None:
@@ -172,6 +217,12 @@ def _clamped(function: Function, instr: Instr) -> tuple[Value, ...] | None:
     if not isinstance(test, Instr) or test.op not in _ORDERED:
         return None
     return tuple(sides) if set(test.operands) == set(sides) else None
+
+
+def _turns(choice: Instr) -> bool:
+    """Whether a selection gives what is added to an index from the end: a dimension, or 0."""
+    _, from_end, otherwise = choice.operands
+    return is_dimension(from_end) and otherwise == Const(0)
 
 
 def _agreement(
@@ -198,19 +249,29 @@ def _tests(ids: FreshIds, wanted: tuple[Sum, ...]) -> tuple[tuple[Instr, ...], V
     """
     instrs: list[Instr] = []
 
-    def made(op: Opcode, type_: Type, *operands: Value) -> Value:
-        instrs.append(Instr(ids(), op, type_, operands))
+    def made(op: Opcode, *operands: Value) -> Value:
+        instrs.append(Instr(ids(), op, Type.PRED, operands))
         return Ref(instrs[-1].id)
 
-    cond: Value | None = None
-    for one in wanted:
+    held = [made(op, *sides) for op, *sides in _comparisons(wanted)]
+    while len(held) > 1:
+        pairs = zip(held[::2], held[1::2], strict=False)
+        held = [*(made(Opcode.AND, *pair) for pair in pairs), *held[len(held) // 2 * 2 :]]
+    return tuple(instrs), held[0]
+
+
+def _comparisons(wanted: tuple[Sum, ...]) -> Iterator[tuple[Opcode, Value, Value]]:
+    """What is tested: one comparison where a sum, and what is taken from 0 by it, are both not
+    negative.
+    """
+    for place, one in enumerate(wanted):
+        other = Sum(()).less(one)
+        if other in wanted[:place]:
+            continue
         more = next((value for value, times in one.terms if times > 0), None)
         less = next((value for value, times in one.terms if times < 0), None)
         sides = (
             Const(-one.constant & WORD_MASK) if less is None else less,
             Const(one.constant & WORD_MASK) if more is None else more,
         )
-        held = made(Opcode.ICMP_SLE, Type.PRED, *sides)
-        cond = held if cond is None else made(Opcode.AND, Type.PRED, cond, held)
-    assert cond is not None
-    return tuple(instrs), cond
+        yield (Opcode.ICMP_EQ if other in wanted else Opcode.ICMP_SLE, *sides)
