@@ -223,10 +223,10 @@ class _Chooser(Draft):
                 self._climb_threads(header)
         if joins:
             self._join()
-        for header in self.outermost() if restructure else ():
-            if form is None:
-                self._restructure(header)
-            elif header in self.forms:
+        if restructure and form is None:
+            self._restructure_all()
+        for header in self.outermost() if restructure and form is not None else ():
+            if header in self.forms:
                 self._take(header, self.forms[header][: form + 1][-1])
         if restructure:
             self._unroll_fully(self.now.state.made)
@@ -330,12 +330,23 @@ class _Chooser(Draft):
         for stage in found[-1:]:
             self.accept(stage)
 
+    def _restructure_all(self) -> None:
+        """Restructures nests; those that take little beside the others when these take less."""
+        headers, before = self.outermost(), math.inf
+        while headers and self.now.estimate.cycles < before:
+            before, rare = self.now.estimate.cycles, []
+            for header in headers:
+                if self._is_rare(self.now, header, _LITTLE):
+                    rare.append(header)
+                else:
+                    self._restructure(header)
+            headers = rare
+        for header in headers:
+            self.note(self.now, Candidate("restructuring", header), None, _NO_GAIN)
+
     def _restructure(self, header: str) -> None:
         """Gives the loops of a static-control part another order, and tiles for registers."""
         base = self.now
-        if self._is_rare(base, header, _LITTLE):
-            self.note(base, Candidate("restructuring", header), None, _NO_GAIN)
-            return
         trips = expected_trips(base.state.function, base.state.hints)
         most = self._most_operations(base, "restructuring")
         found = restructured(base.state, header, self.estimator, trips, most)

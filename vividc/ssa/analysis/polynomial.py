@@ -48,6 +48,10 @@ class Polynomial:
                 terms[product] = signed(terms.get(product, 0) + a * b)
         return Polynomial({m: c for m, c in terms.items() if c})
 
+    def divided(self, by: int) -> Polynomial:
+        """The polynomial of which this one is `by` times; all of its factors are multiples."""
+        return Polynomial({monomial: factor // by for monomial, factor in self.terms.items()})
+
     def linear_in(self, value: Value) -> tuple[Polynomial, Polynomial] | None:
         """(a, b) with self = a * value + b and no `value` in a or b; None if it is not linear."""
         slope: dict[Monomial, int] = {}

@@ -124,6 +124,7 @@ class FlatRows:
 
     def __init__(self, function: Function, order: Order) -> None:
         self.lengths: dict[str, Input] = {}
+        self._seen: dict[str, tuple[Input, ...]] = {}
         self._function, self._order = function, order
         self._known: dict[str, Input | None] = {
             param.name: Input(f"{param.name}.shape1")
@@ -156,9 +157,33 @@ class FlatRows:
         if access.array not in self._known:
             return
         known = self._known[access.array]
-        for row, column, length in _rows_of(index, unit):
+        likely = self._lengths_of(access.array) if known is None else (known,)
+        found = [*_rows_of(index, unit)]
+        if known is None:
+            found.sort(key=lambda parts: [*likely, parts[2]].index(parts[2]))
+        for row, column, length in found:
             if known in (length, None) or self._is_same(known, length, access):
                 yield row, column, length
+        if any(factor % unit for factor in index.terms.values()):
+            return
+        for length in likely:
+            if not any(length in monomial for monomial in index.terms):
+                yield constant(0), index.divided(unit), length
+
+    def _lengths_of(self, array: str) -> tuple[Input, ...]:
+        """What rows of an array may be long by its accesses, by most of them first: those to its
+        first row say nothing.
+        """
+        if array not in self._seen:
+            polynomials = subscripts_of(self._function)
+            counts: dict[Input, int] = {}
+            for one in (one for block in self._function.blocks for one in block.instrs):
+                if one.op in MEMORY and one.array == array:
+                    index = polynomials.polynomial(one.operands[1])
+                    for _, _, length in _rows_of(index, element_bytes(one) >> one.shift):
+                        counts[length] = counts.get(length, 0) + 1
+            self._seen[array] = tuple(sorted(counts, key=lambda length: -counts[length]))
+        return self._seen[array]
 
     def _is_same(self, known: Input | None, length: Input, access: Instr) -> bool:
         """Whether rows prove to be as long as they are known to be."""
@@ -207,6 +232,8 @@ class Elements:
         self._widths: dict[str, int] = {}
         self._dtypes = {param.name: param.dtype for param in function.params}
         self._kinds = {item.id: item.type for block in function.blocks for item in block.items}
+        every = [one for block in function.blocks for one in block.instrs]
+        self._loaded = {one.array: one.type for one in every if one.op is Opcode.LOAD}
 
     def fault(self, access: Instr) -> str | None:
         """Why an access does not fit those before it; None: it does."""
@@ -224,6 +251,8 @@ class Elements:
             dtype = self._dtypes.get(array)
             if kind is Type.ANY and dtype is not None:
                 kind = Type.F32 if dtype.is_float else Type.I32
+            elif kind is Type.ANY:
+                kind = self._loaded.get(array, kind)
         if is_narrow and kind is not Type.I32:
             return f"elements of {array} are less than a word, and no integers"
         if kind not in (Type.F32, Type.I32) or self.types.setdefault(array, kind) != kind:

@@ -131,24 +131,26 @@ def _range(sum_: Sum, facts: Iterable[Sum]) -> _Range:
 
 def _word(value: Value, facts: Iterable[Sum]) -> _Range:
     """The least and the most that a value is where these sums are not negative."""
-    low, high = _by_itself(value)
+    low, high = _alone(value, facts)
     for fact in facts:
         times = fact.factor(value)
-        if abs(times) != 1 or len(fact.terms) > _PAIR:
+        if abs(times) != 1 or len(fact.terms) != _PAIR:
             continue
-        rest = [(other, factor) for other, factor in fact.terms if other != value]
-        ends = [_scaled(_by_itself(other), factor) for other, factor in rest] or [(0, 0)]
+        [(other, factor)] = [term for term in fact.terms if term[0] != value]
+        most = max(factor * end for end in _alone(other, facts))
         if times == 1:  # value >= -rest - constant
-            low = max(low, -ends[0][1] - fact.constant)
+            low = max(low, -most - fact.constant)
         else:  # value <= rest + constant
-            high = min(high, ends[0][1] + fact.constant)
+            high = min(high, most + fact.constant)
     return low, high
 
 
-def _scaled(ends: _Range, factor: int) -> _Range:
-    low, high = sorted(factor * end for end in ends)
+def _alone(value: Value, facts: Iterable[Sum]) -> _Range:
+    """The same by those sums that are of no other value."""
+    low, high = (0, MAX_ELEMENTS) if is_dimension(value) else (_LEAST, _MOST)
+    for fact in facts:
+        if fact.terms == ((value, 1),):
+            low = max(low, -fact.constant)
+        elif fact.terms == ((value, -1),):
+            high = min(high, fact.constant)
     return low, high
-
-
-def _by_itself(value: Value) -> _Range:
-    return (0, MAX_ELEMENTS) if is_dimension(value) else (_LEAST, _MOST)
