@@ -183,6 +183,8 @@ class _Chooser(Draft):
             if self.forms:
                 self._way(start, ways, restructure=False)
                 ways[-1] = clearly_better(ways[-1], ways[0][-1])
+            if self.spare is not None:
+                self._way(self.spare, ways, restructure=self.options.restructure)
         finally:
             self.stages[first:] = better_last(ways)
 

@@ -35,6 +35,11 @@ _TOGETHER: Final = 8
 _WITH_OTHERS: Final = 0.8
 """Of the contexts: two versions are no use where they leave no room for other forms of loops."""
 
+_SURE: Final = 0.85
+"""Of these: above it forms of the kernel as it is are looked for, too, as those of two versions may
+take more contexts than there are (correlation of NPBench: 567 of 512, estimated to be fewer).
+"""
+
 _AS_GOOD: Final = 1.25
 """Times the cycles: what is computed again in place of an array, and fused loops that wait longer
 in each iteration, are paid back by other forms (covariance of NPBench: 1.10 times before them).
@@ -50,11 +55,13 @@ def version_for_sizes(draft: Draft) -> None:
     others = {new: state.hints[old] for new, old in made.others.items()}
     hints = {**state.hints, **others, made.entered: 1.0 - EQUAL}
     changed = replace(state, function=tidy(made.function), hints=hints)
-    estimate = draft.estimator.estimate(changed.function, hints)
-    is_as_good = estimate.cycles < _AS_GOOD * draft.now.estimate.cycles
-    if is_as_good and estimate.contexts <= most:
+    stage = Stage(changed, draft.estimator.estimate(changed.function, hints))
+    is_as_good = stage.estimate.cycles < _AS_GOOD * draft.now.estimate.cycles
+    if is_as_good and stage.estimate.contexts <= most:
         draft.fixed |= {*made.others}
-        draft.accept(Stage(changed, estimate))
+        if stage.estimate.contexts > _SURE * most:
+            draft.spare = draft.now
+        draft.accept(stage)
 
 
 def fitted(draft: Draft, stage: Stage) -> list[Stage]:

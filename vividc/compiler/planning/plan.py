@@ -110,6 +110,8 @@ class Draft:
         Headers of loops of which the user has decided.
     now
         The stage to go on from.
+    spare
+        Another one, of fewer contexts.
     """
 
     estimator: Estimator
@@ -118,6 +120,7 @@ class Draft:
     parallel: frozenset[int] = frozenset()
     decisions: list[Decision] = field(default_factory=list)
     fixed: set[str] = field(default_factory=set)
+    spare: Stage | None = None
     _made: dict[tuple[Hashable, ...], tuple[State, State | Refusal]] = field(default_factory=dict)
     """By the identity of the state that something was made of, which is kept so that no other one
     gets it, and what was made: several ways to a plan begin alike.

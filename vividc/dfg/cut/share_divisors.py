@@ -29,6 +29,7 @@ from vividc.ssa.edit import FreshIds
 from vividc.ssa.flow import find_loops, pipelined_loops
 from vividc.ssa.ir import Block, Const, Function, Instr, Phi, Ref, Value
 from vividc.ssa.rewrite.hoist import hoist_invariants
+from vividc.ssa.rewrite.number_values import number_values
 
 _IN_ITERATION: Final = 2
 """Divisions by one divisor in an iteration that changes it: each saves 35 of 46 operations, the
@@ -75,7 +76,7 @@ def share_divisors(function: Function) -> Function:
         else block
         for block in function.blocks
     ]
-    return hoist_invariants(replace(function, blocks=tuple(blocks)))
+    return number_values(hoist_invariants(replace(function, blocks=tuple(blocks))))
 
 
 class _Way(Enum):

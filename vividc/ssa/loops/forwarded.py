@@ -6,7 +6,7 @@ in the iteration that stored it. Arrays that nothing loads any more are not stor
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from vividc.machine.opcodes import MEMORY, Opcode
 from vividc.machine.params import TRAP
@@ -14,7 +14,7 @@ from vividc.machine.words import WORD_BYTES
 from vividc.ssa.analysis.polynomial import Polynomial, Polynomials, constant
 from vividc.ssa.edit import replaced
 from vividc.ssa.flow import Flow, flow_of
-from vividc.ssa.ir import Function, Instr, Value, definition_of
+from vividc.ssa.ir import Function, Instr, Ref, Value, definition_of
 
 
 def own_arrays(function: Function) -> list[str]:
@@ -51,7 +51,34 @@ def forwarded(function: Function) -> Function:
                 values[load.id] = stored
         if all(load.id in values for load in loads):
             values |= {store.id: store.operands[1] for store in stores}
-    return replaced(function, values)
+    made = replaced(function, values)
+    return replaced(made, dict(_loaded_before(made)))
+
+
+def _loaded_before(function: Function) -> Iterator[tuple[int, Value]]:
+    """Loads of an element that the block has loaded before, as loops that were fused do, and what
+    that load gave.
+    """
+    polynomials = Polynomials(function)
+    for block in function.blocks:
+        known: list[Instr] = []
+        for one in (one for one in block.instrs if one.op in MEMORY):
+            if one.op is Opcode.STORE:
+                known = [load for load in known if load.array != one.array]
+                continue
+            same = (load for load in known if _is_same(polynomials, load, one))
+            first = next(same, None)
+            if first is not None:
+                yield one.id, Ref(first.id)
+            elif is_plain(one):
+                known.append(one)
+
+
+def _is_same(polynomials: Polynomials, one: Instr, other: Instr) -> bool:
+    """Whether two loads are of one element."""
+    if one.array != other.array or one.type is not other.type or not is_plain(other):
+        return False
+    return _index(polynomials, one).plus(_index(polynomials, other), -1).constant == 0
 
 
 def _stored(
