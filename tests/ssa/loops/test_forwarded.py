@@ -80,3 +80,17 @@ def test_behind_the_loop_an_element_is_of_another_iteration() -> None:
     behind = """  %9 f32 = load $"&t", 0x0 array "t" shift 2
   %10 none = store $"&x", 0x6, %9 array "x" shift 2"""
     assert loads_of_t(loop(behind=behind)) == 1
+
+
+def test_an_element_is_loaded_once() -> None:
+    behind = """  %9 f32 = load $"&x", 0x1 array "x" shift 2
+  %10 f32 = load $"&x", 0x1 array "x" shift 2
+  %11 f32 = fadd %9, %10
+  %12 none = store $"&x", 0x2, %11 array "x" shift 2
+  %13 f32 = load $"&x", 0x1 array "x" shift 2
+  %14 none = store $"&x", 0x3, %13 array "x" shift 2"""
+    before = loop(behind=behind)
+    after = forwarded(before)
+    assert run(after) == run(before)
+    loads = [one for one in after.by_name["b3"].instrs if one.op is Opcode.LOAD]
+    assert len(loads) == 2

@@ -227,8 +227,8 @@ class _Chooser(Draft):
             self._join()
         if restructure and form is None:
             self._restructure_all()
-        for header in self.outermost() if restructure and form is not None else ():
-            if header in self.forms:
+        elif restructure and form is not None:
+            for header in (one for one in self.outermost() if one in self.forms):
                 self._take(header, self.forms[header][: form + 1][-1])
         if restructure:
             self._unroll_fully(self.now.state.made)
@@ -336,13 +336,12 @@ class _Chooser(Draft):
         """Restructures nests; those that take little beside the others when these take less."""
         headers, before = self.outermost(), math.inf
         while headers and self.now.estimate.cycles < before:
-            before, rare = self.now.estimate.cycles, []
-            for header in headers:
+            before, tried, headers = self.now.estimate.cycles, headers, []
+            for header in tried:
                 if self._is_rare(self.now, header, _LITTLE):
-                    rare.append(header)
+                    headers.append(header)
                 else:
                     self._restructure(header)
-            headers = rare
         for header in headers:
             self.note(self.now, Candidate("restructuring", header), None, _NO_GAIN)
 

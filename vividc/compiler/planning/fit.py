@@ -15,6 +15,7 @@ from vividc.compiler.planning.candidates import Candidate
 from vividc.compiler.planning.plan import Draft, Stage
 from vividc.compiler.planning.state import State
 from vividc.ssa.analysis.frequency import EQUAL
+from vividc.ssa.loops.factored_sums import factored_sums
 from vividc.ssa.loops.sizes.versions import for_sizes
 from vividc.ssa.rewrite.tidy import tidy
 
@@ -54,7 +55,10 @@ def version_for_sizes(draft: Draft) -> None:
         return
     others = {new: state.hints[old] for new, old in made.others.items()}
     hints = {**state.hints, **others, made.entered: 1.0 - EQUAL}
-    changed = replace(state, function=tidy(made.function), hints=hints)
+    both = made.function
+    if draft.estimator.options.reassociate:
+        both = factored_sums(both)
+    changed = replace(state, function=tidy(both), hints=hints)
     stage = Stage(changed, draft.estimator.estimate(changed.function, hints))
     is_as_good = stage.estimate.cycles < _AS_GOOD * draft.now.estimate.cycles
     if is_as_good and stage.estimate.contexts <= most:
