@@ -143,3 +143,84 @@ def test_a_product_of_a_temporary_is_given_other_loops(
     vividc.simulate(compiled, np.float32(1.5), *made)
     for mine, numbas in zip(made, expected, strict=True):
         np.testing.assert_allclose(mine, numbas, rtol=1e-5)
+
+
+DEEP = """param "a" int32[3]
+b0:
+  %9 i32 = mul $"a.shape1", $"a.shape2"
+  jump b1
+b1:
+  %0 i32 = phi [b0: 0x0, b5: %1]
+  %2 pred = icmp.slt %0, $"a.shape1"
+  branch %2 b2 else b6
+b2:
+  jump b3
+b3:
+  %4 i32 = phi [b2: 0x0, b4: %5]
+  %6 pred = icmp.slt %4, $"{limit}"
+  branch %6 b4 else b5
+b4:
+  %3 i32 = mul %0, $"a.shape2"
+  %11 i32 = add %3, %4
+  %12 i32 = add %11, {first}
+  %8 none = store $"&a", %12, %0 array "a" shift 2
+  %5 i32 = add %4, 0x1 exact
+  jump b3
+b5:
+  %1 i32 = add %0, 0x1 exact
+  jump b1
+b6:
+  return
+"""
+
+
+@pytest.mark.parametrize(("first", "slab"), [("0x0", "0"), ("%9", "1")])
+def test_an_index_of_three_dimensions_has_three_subscripts(first: str, slab: str) -> None:
+    made = find_scop(function(DEEP.format(limit="a.shape2", first=first)), "b1")
+    assert not isinstance(made, Refusal), made.reason
+    [access] = made.statements[0].accesses.values()
+    assert access.subscripts == (Form((), int(slab)), symbol("i0"), symbol("i1"))
+
+
+def test_a_column_of_three_dimensions_may_be_behind_its_row() -> None:
+    made = find_scop(function(DEEP.format(limit="n", first="0x0")), "b1")
+    assert isinstance(made, Refusal)
+
+
+FIRST = """param "n" int32
+param "a" int32[1]
+local "t" words 0 size "s:a.shape0" "s:a.shape0" "*" 1 "*"
+b0:
+  jump b1
+b1:
+  %0 i32 = phi [b0: 0x0, b3: %1]
+  %2 pred = icmp.slt %0, $"a.shape0"
+  branch %2 b2 else b6
+b2:
+  %7 none = store $"&t", %0, 0x1 array "t" shift 2
+  jump b4
+b4:
+  %4 i32 = phi [b2: 0x0, b5: %5]
+  %6 pred = icmp.slt %4, $"a.shape0"
+  branch %6 b5 else b3
+b5:
+  %3 i32 = mul %0, $"a.shape0"
+  %8 i32 = add %3, %4
+  %9 i32 = load $"&t", %8 array "t" shift 2
+  %10 none = store $"&a", %4, %9 array "a" shift 2
+  %5 i32 = add %4, 0x1 exact
+  jump b4
+b3:
+  %1 i32 = add %0, 0x1 exact
+  jump b1
+b6:
+  return
+"""
+
+
+def test_the_first_row_is_a_row() -> None:
+    """Indices of its elements have no length; a constant is of the type that is loaded."""
+    made = find_scop(function(FIRST), "b1")
+    assert not isinstance(made, Refusal), made.reason
+    found = {access.subscripts for one in made.statements for access in one.accesses.values()}
+    assert (Form((), 0), symbol("i0")) in found

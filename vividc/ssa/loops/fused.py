@@ -319,13 +319,21 @@ class _Meetings:
             return
         moved = index.plus(constant(access.offset >> access.shift))
         block = self._pair.function.block_of[access.id]
+        deep = self._rows.deep(access, moved)
+        if all(self._is_in_row(part, length, block) for part, length in deep[1:]):
+            for axis, (part, _) in enumerate(deep):
+                yield (len(deep), axis), part.times(constant(unit))
         for row, column, length in self._rows.candidates(access, moved):
-            if any(len(monomial) > 1 for monomial in column.terms):
-                continue
-            if self._order.lacks_below(self._order.of_terms(column), length, block) == ():
+            if self._is_in_row(column, length, block):
                 kind = 2 if access.array in self._params else self._order.sum_of(length)
                 yield (kind, 0), row.times(constant(unit))
                 yield (kind, 1), column.times(constant(unit))
+
+    def _is_in_row(self, column: Polynomial, length: Value, block: str) -> bool:
+        """Whether a subscript proves to be from 0 to below a dimension."""
+        if any(len(monomial) > 1 for monomial in column.terms):
+            return False
+        return self._order.lacks_below(self._order.of_terms(column), length, block) == ()
 
     def _is_not_before(self, mine: Polynomial, theirs: Polynomial, width: int) -> bool:
         """Whether two numbers are equal in no iteration of the second loop that is before the one

@@ -131,6 +131,11 @@ class FlatRows:
             for param in function.params
             if param.ndim == 2 and not param.flat  # noqa: PLR2004 - rows, columns
         }
+        self._deep = {
+            param.name: tuple(Input(f"{param.name}.shape{axis}") for axis in range(param.ndim))
+            for param in function.params
+            if param.ndim > 2 and not param.flat  # noqa: PLR2004 - rows, columns
+        }
         self._known |= {one.name: None for one in function.locals if one.contents is None}
         self._known |= {param.name: None for param in function.params if param.made}
 
@@ -139,15 +144,34 @@ class FlatRows:
         access: Instr,
         index: Polynomial,
         is_in_row: Callable[[Polynomial, Input, Instr], bool],
-    ) -> tuple[Polynomial, Polynomial] | None:
-        """Row and column; None: they are not known, or are by rows of another length elsewhere."""
+    ) -> tuple[Polynomial, ...] | None:
+        """Row and column, or as many subscripts as an array of more dimensions has; None: they are
+        not known, or are by rows of another length elsewhere.
+        """
         name, unit = access.array, constant(element_bytes(access) >> access.shift)
+        parts = self.deep(access, index)
+        if parts:
+            is_known = all(is_in_row(part, length, access) for part, length in parts[1:])
+            return tuple(part.times(unit) for part, _ in parts) if is_known else None
         for row, column, length in self.candidates(access, index):
             if is_in_row(column, length, access):
                 if self._known[name] is None and self.lengths.setdefault(name, length) != length:
                     return None
                 return row.times(unit), column.times(unit)
         return None
+
+    def deep(self, access: Instr, index: Polynomial) -> tuple[tuple[Polynomial, Input], ...]:
+        """What the index of an access may be made of if the array has more dimensions than two: a
+        subscript by each, and the dimension.
+        """
+        unit, lengths = element_bytes(access) >> access.shift, self._deep.get(access.array, ())
+        if not lengths or any(factor % unit for factor in index.terms.values()):
+            return ()
+        found, rest = [], index.divided(unit)
+        for length in reversed(lengths[1:]):
+            rest, part = _split(rest, length)
+            found.append((part, length))
+        return ((rest, lengths[0]), *reversed(found))
 
     def candidates(
         self, access: Instr, index: Polynomial
@@ -202,16 +226,22 @@ def _rows_of(index: Polynomial, unit: int) -> Iterator[tuple[Polynomial, Polynom
     lengths = {v: None for monomial in index.terms if len(monomial) > 1 for v in monomial}
     for length in lengths:
         if isinstance(length, Input):
-            row: dict[tuple[Value, ...], int] = {}
-            column: dict[tuple[Value, ...], int] = {}
-            for monomial, factor in index.terms.items():
-                rest = list(monomial)
-                if length in rest:
-                    rest.remove(length)
-                    row[tuple(rest)] = factor // unit
-                else:
-                    column[monomial] = factor // unit
-            yield Polynomial(row), Polynomial(column), length
+            row, column = _split(index.divided(unit), length)
+            yield row, column, length
+
+
+def _split(index: Polynomial, length: Input) -> tuple[Polynomial, Polynomial]:
+    """What an index has of a length, and the rest."""
+    row: dict[tuple[Value, ...], int] = {}
+    column: dict[tuple[Value, ...], int] = {}
+    for monomial, factor in index.terms.items():
+        rest = list(monomial)
+        if length in rest:
+            rest.remove(length)
+            row[tuple(rest)] = factor
+        else:
+            column[monomial] = factor
+    return Polynomial(row), Polynomial(column)
 
 
 class Elements:

@@ -16,11 +16,14 @@ from vividc.errors import SSAError
 from vividc.frontend import KernelFunction
 from vividc.machine.opcodes import Opcode
 from vividc.machine.params import TRAP
+from vividc.ssa.analysis.levels import with_own_latches
 from vividc.ssa.check import check_function
 from vividc.ssa.flow import find_loops
 from vividc.ssa.interpret import interpret
 from vividc.ssa.ir import Function
 from vividc.ssa.loops.sizes.versions import Sized, for_sizes
+from vividc.ssa.polyhedral.scop import find_scop
+from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 
 
@@ -156,3 +159,21 @@ def test_expressions_of_the_same_rows_are_one_nest() -> None:
     made = sized(summed).function
     others = {block.name for block in made.blocks if ".other" in block.name}
     assert len([one for one in find_loops(made) if one.header not in others]) == 2
+
+
+@vividc.kernel(f"void(int64, int64, float32[:, :, ::1], {M})")
+def deep(nr, nq, a, c):
+    """doitgen: rows of an array of three dimensions, up to scalars."""
+    for r in range(nr):
+        for q in range(nq):
+            a[r, q, :] = a[r, q, :] @ c
+
+
+def test_rows_of_three_dimensions_are_where_scalars_are_no_more_than_these() -> None:
+    made = sized(deep).function
+    others = {block.name for block in made.blocks if ".other" in block.name}
+    outer = max(
+        (one for one in find_loops(made) if one.header not in others), key=lambda o: len(o.blocks)
+    )
+    part = find_scop(with_own_latches(tidy(made), outer.header), outer.header)
+    assert not isinstance(part, Refusal), part.reason

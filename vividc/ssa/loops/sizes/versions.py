@@ -169,8 +169,14 @@ def _in_rows(order: Order, rows: FlatRows, block: Block) -> Iterator[tuple[Sum, 
     """What is lacking for elements by flat indices to be known by row and column."""
     polynomials = Polynomials(order.function, pitches=True)
     for access in block.instrs:
-        index = polynomials.of(access.operands[1]) if access.op in MEMORY else None
-        for _, column, length in () if index is None else rows.candidates(access, index):
+        if access.op not in MEMORY:
+            continue
+        index = polynomials.of(access.operands[1])
+        for column, length in rows.deep(access, index)[1:]:
+            if all(len(monomial) == 1 for monomial in column.terms if monomial):
+                lacking = order.lacks_below(order.of_terms(column), length, block.name)
+                yield lacking or ()
+        for _, column, length in rows.candidates(access, index):
             if any(len(monomial) > 1 for monomial in column.terms):
                 continue
             lacking = order.lacks_below(order.of_terms(column), length, block.name)
