@@ -16,7 +16,7 @@ from vividc.compiler.planning.plan import Draft, Stage
 from vividc.compiler.planning.state import State
 from vividc.ssa.analysis.frequency import EQUAL
 from vividc.ssa.loops.factored_sums import factored_sums
-from vividc.ssa.loops.sizes.versions import for_sizes
+from vividc.ssa.loops.sizes.versions import for_sizes, without_arrays_between
 from vividc.ssa.rewrite.tidy import tidy
 
 _ROOMS: Final = (0.85, 0.7, 0.5)
@@ -52,6 +52,7 @@ def version_for_sizes(draft: Draft) -> None:
     state, most = draft.now.state, _WITH_OTHERS * draft.estimator.fabric.controller.contexts
     made = for_sizes(state.function) if draft.now.estimate.contexts <= most else None
     if made is None:
+        _without_arrays(draft)
         return
     others = {new: state.hints[old] for new, old in made.others.items()}
     hints = {**state.hints, **others, made.entered: 1.0 - EQUAL}
@@ -66,6 +67,17 @@ def version_for_sizes(draft: Draft) -> None:
         if stage.estimate.contexts > _SURE * most:
             draft.spare = draft.now
         draft.accept(stage)
+
+
+def _without_arrays(draft: Draft) -> None:
+    """Goes on from the kernel without arrays between nests that ask for no sizes."""
+    state = draft.now.state
+    made = without_arrays_between(state.function)
+    if made is not None:
+        changed = replace(state, function=made)
+        stage = Stage(changed, draft.estimator.estimate(made, state.hints))
+        if stage.estimate.cycles < _AS_GOOD * draft.now.estimate.cycles:
+            draft.accept(stage)
 
 
 def fitted(draft: Draft, stage: Stage) -> list[Stage]:

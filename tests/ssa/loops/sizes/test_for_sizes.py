@@ -21,7 +21,7 @@ from vividc.ssa.check import check_function
 from vividc.ssa.flow import find_loops
 from vividc.ssa.interpret import interpret
 from vividc.ssa.ir import Function
-from vividc.ssa.loops.sizes.versions import Sized, for_sizes
+from vividc.ssa.loops.sizes.versions import Sized, for_sizes, without_arrays_between
 from vividc.ssa.polyhedral.scop import find_scop
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
@@ -177,3 +177,37 @@ def test_rows_of_three_dimensions_are_where_scalars_are_no_more_than_these() -> 
     )
     part = find_scop(with_own_latches(tidy(made), outer.header), outer.header)
     assert not isinstance(part, Refusal), part.reason
+
+
+@vividc.kernel(f"void({M})")
+def one_shape(a):
+    """deriche: columns of one array, which ask for nothing."""
+    for j in range(2, a.shape[1]):
+        a[:, j] = a[:, j] + np.float32(2) * a[:, j - 1]
+
+
+@vividc.kernel(f"void({M}, {V})")
+def kept(a, x):
+    """What is summed last is stored first."""
+    t = np.zeros(x.shape[0], np.float32)
+    for i in range(a.shape[0]):
+        for j in range(x.shape[0]):
+            t[j] += a[i, j]
+    for j in range(x.shape[0]):
+        x[j] = t[x.shape[0] - 1 - j]
+
+
+def test_arrays_between_go_where_no_sizes_are_asked_for() -> None:
+    before = tidy(one_shape.lower())
+    assert for_sizes(before) is None
+    after = without_arrays_between(before)
+    assert after is not None
+    assert check_function(after) == []
+    assert not [one for b in after.blocks for one in b.instrs if one.array.startswith("local")]
+    for size in (0, 1, 4):
+        args = [np.arange(size * size, dtype=np.float32).reshape(size, size)]
+        assert outcome(after, args) == outcome(before, args)
+
+
+def test_arrays_that_are_needed_stay() -> None:
+    assert without_arrays_between(tidy(kept.lower())) is None

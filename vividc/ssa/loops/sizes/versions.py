@@ -31,7 +31,7 @@ from vividc.ssa.ir import (
     definition_of,
     is_dimension,
 )
-from vividc.ssa.loops.forwarded import forwarded
+from vividc.ssa.loops.forwarded import forwarded, own_arrays
 from vividc.ssa.loops.fused import fused
 from vividc.ssa.loops.sizes.by_counters import by_counters
 from vividc.ssa.loops.sizes.decide import decided
@@ -78,10 +78,28 @@ def for_sizes(function: Function) -> Sized | None:
     instrs, cond = _tests(FreshIds(agreeing), given)
     leave = Branch(entry, cond, other, loc=function.blocks[0].branch.loc)
     blocks = (Block(start, (), instrs, leave), *agreeing.blocks, Block(other, (), (), Branch()))
-    agreeing = tidy(by_counters(tidy(decided(replace(agreeing, blocks=blocks)))))
-    agreeing = without_temporaries(_together(agreeing))
-    agreeing = _together(agreeing)
-    return _joined(agreeing, function, other)
+    return _joined(_in_registers(replace(agreeing, blocks=blocks)), function, other)
+
+
+def without_arrays_between(function: Function) -> Function | None:
+    """A kernel that asks for no sizes with fewer arrays of its own, as in the version for sizes
+    that agree; None: it needs all of them.
+    """
+    before = _accessed(function)
+    made = _in_registers(function) if before else function
+    return made if len(_accessed(made)) < len(before) else None
+
+
+def _accessed(function: Function) -> set[str]:
+    """A kernel's own arrays that it accesses."""
+    arrays = {one.array for block in function.blocks for one in block.instrs}
+    return arrays.intersection(own_arrays(function))
+
+
+def _in_registers(function: Function) -> Function:
+    """The function decided, its loops fused, and without arrays between them."""
+    made = tidy(by_counters(tidy(decided(function))))
+    return _together(without_temporaries(_together(made)))
 
 
 def _together(function: Function) -> Function:
