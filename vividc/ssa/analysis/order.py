@@ -103,6 +103,9 @@ class Order:
     _sums: dict[Value, Sum] = field(default_factory=dict)
     _facts: dict[str, tuple[Sum, ...]] = field(default_factory=dict)
     _counted: dict[Value, tuple[Sum, ...]] = field(default_factory=dict)
+    _by_value: dict[int, tuple[tuple[Sum, ...], dict[Value, list[Sum]]]] = field(
+        default_factory=dict
+    )
     _steps: int = 0
 
     def __post_init__(self) -> None:
@@ -248,7 +251,8 @@ class Order:
 
     def _proved(self, wanted: Sum, facts: tuple[Sum, ...]) -> Lacking | None:
         self._steps = 0
-        return self._search(wanted, (*facts, *self.given), _DEEPEST, lacks=False)
+        every = (*facts, *self.given) if self.given else facts
+        return self._search(wanted, every, _DEEPEST, lacks=False)
 
     def _search(
         self, wanted: Sum, facts: tuple[Sum, ...], depth: int, *, lacks: bool
@@ -275,13 +279,24 @@ class Order:
                     return found
         return (_at_equal(wanted),) if lacks and _is_plausible(wanted) else None
 
-    def _without(self, wanted: Sum, value: Value, facts: Iterable[Sum]) -> Iterator[Sum]:
+    def _without(self, wanted: Sum, value: Value, facts: tuple[Sum, ...]) -> Iterator[Sum]:
         """A sum less others that are known not to be negative, without this value."""
         times = wanted.factor(value)
-        for fact in (*facts, *self._bounds(value)):
+        for fact in (*self._about(facts).get(value, ()), *self._bounds(value)):
             own = fact.factor(value)
             if own and times % own == 0 and times // own > 0:
                 yield wanted.plus(fact, -(times // own))
+
+    def _about(self, facts: tuple[Sum, ...]) -> dict[Value, list[Sum]]:
+        """The sums by values in them: of one tuple they are looked through often."""
+        key, known = id(facts), self._by_value.get(id(facts))
+        if known is None or known[0] is not facts:
+            found: dict[Value, list[Sum]] = {}
+            for fact in facts:
+                for value, _ in fact.terms:
+                    found.setdefault(value, []).append(fact)
+            known = self._by_value[key] = facts, found
+        return known[1]
 
     def _choice(self, value: Value) -> Instr | None:
         made = definition_of(self.function, value)
