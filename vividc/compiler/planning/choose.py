@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
 from vividc.compiler.planning.candidates import (
@@ -259,7 +259,7 @@ class _Chooser(Draft):
     def _flatten_and_unroll(self) -> None:
         """Flattens nests where it pays, unrolls innermost loops."""
         self._flatten()
-        for header in [loop.header for loop in self._innermost()]:
+        for header in [loop.header for loop in self.innermost()]:
             if self._may_wait_in_vain(header):
                 self._try(Candidate("versioning", header))
             before = self.now
@@ -277,7 +277,7 @@ class _Chooser(Draft):
     def _unroll_fully(self, left: Collection[str]) -> None:
         """Unrolls what it pays to unroll fully, of the loops `left` only those that are short."""
         tried: set[str] = set()
-        while (loop := self._next_full(tried)) is not None:
+        while (loop := self.open_loop(tried)) is not None:
             tried.add(loop.header)
             if loop.header not in left or self._is_short(loop):
                 self._try(Candidate("full unrolling", loop.header))
@@ -490,19 +490,6 @@ class _Chooser(Draft):
         loops = (region for region in base.estimate.regions if region.kind == "loop")
         known = max((loop.shape.operations for loop in loops), default=0)
         return max(_OPERATIONS_PER_PE[kind] * len(self.estimator.fabric.pes), known)
-
-    def _next_full(self, tried: set[str]) -> Loop | None:
-        for loop in find_loops(self.now.state.function):
-            if loop.header not in tried and loop.header not in self.fixed:
-                return loop
-        return None
-
-    def _innermost(self) -> Iterator[Loop]:
-        loops = find_loops(self.now.state.function)
-        for loop in loops:
-            holds = any(o.header in loop.blocks and o.header != loop.header for o in loops)
-            if not holds and loop.header not in self.fixed:
-                yield loop
 
 
 def _pays_inside(base: Stage, header: str, estimate: Estimate) -> bool:

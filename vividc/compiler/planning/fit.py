@@ -8,6 +8,7 @@ there are; a flattened nest has none of them.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Final
 
@@ -23,6 +24,9 @@ _ROOMS: Final = (0.85, 0.7, 0.5)
 """Shares of the contexts that an estimate may take, if flattening does it: schedules take more than
 their bounds (vadv of NPBench: 435 and 604, where constant stores are full).
 """
+
+_HARDLY: Final = 1.3
+"""Times its estimate that a kernel may take: vadv takes 587 contexts for 444."""
 
 _FAR: Final = 1.5
 """Contexts over those that there are, from which on no form of a kernel is looked for: none would
@@ -83,12 +87,13 @@ def _without_arrays(draft: Draft) -> None:
 def fitted(draft: Draft, stage: Stage) -> list[Stage]:
     """Of a stage that takes more contexts than there are: it with nests flattened, those first that
     take fewest cycles, until it may be mapped; before that, forms that are likelier to be. None if
-    it does not fit so, or fits as it is.
+    it does not fit so, or fits as it is. Of one that hardly fits: such forms if they are faster.
     """
     most = draft.estimator.fabric.controller.contexts
     found: list[Stage] = []
-    if stage.estimate.contexts <= most:
+    if _HARDLY * stage.estimate.contexts <= most:
         return found
+    least = math.inf if stage.estimate.contexts > most else stage.estimate.cycles
     tried: set[str] = set()
     for share in _ROOMS:
         before = stage
@@ -100,7 +105,7 @@ def fitted(draft: Draft, stage: Stage) -> list[Stage]:
             stage = _flattened(draft, stage, headers[:_TOGETHER])
         if stage is not before and stage.estimate.contexts <= most:
             found.insert(0, stage)
-    return found
+    return [one for one in found if one.estimate.cycles < least]
 
 
 def is_far_too_long(draft: Draft) -> bool:

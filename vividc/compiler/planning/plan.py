@@ -254,6 +254,21 @@ class Draft:
             if not any(header in loop.blocks for header in self.fixed | self.now.state.made)
         ]
 
+    def innermost(self) -> Iterator[Loop]:
+        """Loops with no other one in them, of which the user decided nothing."""
+        loops = find_loops(self.now.state.function)
+        for loop in loops:
+            holds = any(o.header in loop.blocks and o.header != loop.header for o in loops)
+            if not holds and loop.header not in self.fixed:
+                yield loop
+
+    def open_loop(self, tried: Collection[str]) -> Loop | None:
+        """A loop that was not tried, of which the user decided nothing."""
+        for loop in find_loops(self.now.state.function):
+            if loop.header not in tried and loop.header not in self.fixed:
+                return loop
+        return None
+
     def over_prange(self) -> list[str]:
         """Headers of the loops over `prange` that are in no other one."""
         state = self.now.state
