@@ -220,4 +220,4 @@ def test_what_is_not_seen_is_noticed(
     monkeypatch.setattr(one_straight, "fill_of", blind)
     plain = vividc.LoopOptions(auto=False)
     with pytest.raises(InternalError, match=text):
-        vividc.compile(kernel, fabric="vivid-tile", loops=plain, cache=False)
+        vividc.compile(kernel, loops=plain, effort="thorough", cache=False)
