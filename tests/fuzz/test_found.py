@@ -199,3 +199,30 @@ np.uint64(m) >> np.uint64(64 - 47))))
 """
     verdict = judge(source, 940027, tmp_path, simulate="mapped")
     assert verdict.kind == "agrees", verdict.text
+
+
+def test_words_that_nothing_passes_on_are_not_counted_where_a_loop_begins_early(
+    tmp_path: Path,
+) -> None:
+    """A register still held a word of the loop's first iteration, which has none behind it there:
+    one engine counted that it moved.
+    """
+    source = """
+import numpy as np
+from vividc.frontend import kernel
+SHAPES = {'a': ('#160',), 'f': ('#160',), 'b': ('#20', '#20')}
+MOST = {'n': 5, 'm': 4}
+
+@kernel('int32(int32[::1], float32[::1], int32[:, ::1], int32, int32)')
+def program(a, f, b, n, m):
+    s = np.int32(1)
+    for i1 in range(n - 1):
+        for i2 in range(1, n):
+            for i3 in range(i1 + 1, n):
+                a[3 * i1 + i2] = np.int32(a[80 + 3 * i3 + 1] ^ i3)
+            for i4 in range(i2, i2 + m):
+                a[-1 * i4 + 9 + m] += np.int32(b[i4 + 2, 3 * i1 + 2] ^ s)
+    return s
+"""
+    verdict = judge(source, 910158, tmp_path, simulate="mapped")
+    assert verdict.kind == "agrees", verdict.text

@@ -43,7 +43,7 @@ from vividc.mapper.result import mapping_of
 from vividc.program.encoder.banks import TRIES, choose_layout
 from vividc.program.encoder.checks import span_of
 
-_Any = TypeVar("_Any")
+_Item = TypeVar("_Item")
 
 _PAYS: Final = 0.02
 _SAVES: Final = 0.002
@@ -400,7 +400,7 @@ class _Loops(_Costs):
             best, least = (better, least) if better else (best, tried + 1)
         return best
 
-    def in_turns(self, tries: Sequence[_Any]) -> list[Sequence[_Any]]:
+    def in_turns(self, tries: Sequence[_Item]) -> list[Sequence[_Item]]:
         """Tries one after the other, or two at a time, where nothing tells how fast they come to an
         end: cores are idle otherwise.
         """

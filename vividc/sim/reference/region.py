@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Sequence
+from itertools import cycle
 from typing import Final
 
 from vividc.errors import SimulationError
@@ -241,11 +242,14 @@ class RegionState(Cycle):
             self._tile.check_limit(self._region.index, now)
 
     def _hand_over(self, behind: RegionState) -> None:
-        """Of links, registers and output registers, the loop behind finds what it put there."""
+        """Of links, registers and output registers, the loop behind finds what it put there. What
+        it alone would have passed on of no iteration since has not come to a register here.
+        """
         ahead, cells = self._region.ahead, self._tile.cells
         assert ahead is not None
         kept = {cells.out_base + pe for pe, _ in behind._outputs}
-        for slot in ahead.slots:
+        for slot, whole in zip(ahead.slots, cycle(behind.region.slots), strict=False):
+            kept.difference_update(whole.writes.targets, whole.writes_from_registers.targets)
             kept.update(slot.writes.targets, slot.writes_from_registers.targets)
         kept.update(ahead.slots[-1].links.targets, ahead.slots[-1].links_from_registers.targets)
         for cell in set(range(cells.volatile)) - kept:
