@@ -40,6 +40,7 @@ READERS: Final[dict[str, tuple[str, ...]]] = {
     "host/inputs.py": ("graph JSON",),
     "program/kept.py": (OWN,),
     "host/machine_code/origin.py": (OWN,),
+    "host/machine_code/shipped.py": (OWN,),
     "host/machine_code/unit.py": (OWN,),
     "host/npz.py": ("arguments", "scene: means"),
     "page/source.py": ("source to view",),
