@@ -126,3 +126,25 @@ b2:
 )
 def test_branches_are_known(test: int, block: str, truth: bool | None) -> None:
     assert Order(function(BRANCHES)).truth(Ref(test), block) is truth
+
+
+SELECTED = """param "b" int32[1]
+b0:
+  %0 i32 = load $"&b", 0x0 array "b" shift 2
+  %1 i32 = load $"&b", 0x1 array "b" shift 2
+  %2 pred = icmp.ult %0, %1
+  %3 i32 = select %2, %0, %1
+  %4 pred = icmp.sle %3, %0
+  branch %4 b1 else b2
+b1:
+  jump b2
+b2:
+  return
+"""
+
+
+def test_a_selection_whose_test_asks_for_itself_is_left_open() -> None:
+    """Whether a word is natural follows from a selection, whose test has no sign if it is."""
+    order = Order(function(SELECTED))
+    assert order.at_most(Const(0), Ref(0), "b1") is None
+    assert order.at_most(Ref(3), Ref(0), "b1") == ()

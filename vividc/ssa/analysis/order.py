@@ -38,6 +38,9 @@ _DEEPEST: Final = 4
 _MOST_STEPS: Final = 400
 """Sums that are looked at for one answer."""
 
+_MOST_WITHIN: Final = 3
+"""Comparisons without signs that are asked about for the sake of one."""
+
 _PAIR: Final = 2
 _SMALL: Final = 1 << 10
 """Inputs that are compared, and a constant with one of them, of what may be asked for."""
@@ -107,6 +110,8 @@ class Order:
         default_factory=dict
     )
     _steps: int = 0
+    _within: int = 0
+    """Comparisons without signs that are asked about now, each for the sake of the one before."""
 
     def __post_init__(self) -> None:
         self._flow: Flow = flow_of(self.function)
@@ -222,8 +227,16 @@ class Order:
         return self._proved(wanted, facts) == ()
 
     def _are_natural(self, left: Sum, right: Sum, facts: tuple[Sum, ...] = ()) -> bool:
-        """Whether a comparison without signs is one with signs."""
-        return all(self._proved(one, facts) == () for one in (left, right))
+        """Whether a comparison without signs is one with signs; not known where that is asked again
+        and again on the way to an answer, as where selections follow from one another.
+        """
+        if self._within == _MOST_WITHIN:
+            return False
+        self._within += 1
+        try:
+            return all(self._proved(one, facts) == () for one in (left, right))
+        finally:
+            self._within -= 1
 
     def of_terms(self, polynomial: Polynomial) -> Sum:
         """An affine polynomial as a sum."""
