@@ -147,4 +147,3 @@ def test_a_selection_whose_test_asks_for_itself_is_left_open() -> None:
     """Whether a word is natural follows from a selection, whose test has no sign if it is."""
     order = Order(function(SELECTED))
     assert order.at_most(Const(0), Ref(0), "b1") is None
-    assert order.at_most(Ref(3), Ref(0), "b1") == ()
