@@ -27,8 +27,13 @@ def own_arrays(function: Function) -> list[str]:
 
 def is_plain(access: Instr) -> bool:
     """Whether an access is to a whole word, and no predicate's."""
+    return access.width == WORD_BYTES and is_unconditional(access)
+
+
+def is_unconditional(access: Instr) -> bool:
+    """Whether an access is no predicate's, and to no lane of a word."""
     plain = 2 if access.op is Opcode.LOAD else 3
-    return access.width == WORD_BYTES and len(access.operands) == plain and access.lane is None
+    return len(access.operands) == plain and access.lane is None
 
 
 def forwarded(function: Function) -> Function:

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Final
 
 from vividc.machine.opcodes import MEMORY, Opcode, Type
 from vividc.machine.params import TRAP
@@ -22,11 +21,9 @@ from vividc.ssa.analysis.polynomial import Polynomial, Polynomials, constant
 from vividc.ssa.edit import defined_types, read_values, rename_incoming, retarget, substitute
 from vividc.ssa.flow import Loop, find_loops, predecessors, preheader_of
 from vividc.ssa.ir import Block, Const, Function, Instr, Ref, Value
+from vividc.ssa.loops.forwarded import is_unconditional
 from vividc.ssa.loops.join import between
 from vividc.ssa.polyhedral.subscripts import FlatRows, element_bytes, subscripts_of
-
-_PLAIN: Final = {Opcode.LOAD: 2, Opcode.STORE: 3}
-"""Operands of an access that nothing predicates."""
 
 
 def fused(function: Function) -> Function:
@@ -282,7 +279,7 @@ class _Meetings:
         firsts, seconds = ([*_accesses(pair.function, x)] for x in (pair.first, pair.second))
         between = (one for one in (*pair.above, *pair.below) if one.op in MEMORY)
         every = [*firsts, *seconds, *between]
-        if any(one.array.startswith(TRAP) or not _is_plain(one) for one in every):
+        if any(one.array.startswith(TRAP) or not is_unconditional(one) for one in every):
             return False
         return all(
             self._is_in_order(one, other)
@@ -356,8 +353,3 @@ class _Meetings:
         if away is None or away % width:
             return False
         return away % step != 0 or away // step >= 0
-
-
-def _is_plain(access: Instr) -> bool:
-    """Whether an access is no predicate's."""
-    return len(access.operands) == _PLAIN[access.opcode] and access.lane is None

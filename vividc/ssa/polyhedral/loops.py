@@ -27,8 +27,7 @@ _QUOTIENTS: Final = ("fdiv_q", "pdiv_q", *_REMAINDERS)
 
 _MOST_OPERATIONS: Final = 3_000_000
 """Of isl's for the loops of one tree, some 0.4 s. Those that are chosen take 2,100,000 at most (of
-the 60 kernels of kernels/ and of PolyBench that are planned longest); some that are not, tiles in
-triangles of 8 by 5 iterations, took more than 4,000,000.
+the 60 kernels that are planned longest); tiles in triangles took more than 4,000,000.
 """
 
 
