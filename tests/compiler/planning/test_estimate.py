@@ -10,7 +10,7 @@ import numpy as np
 import vividc
 from vividc import arch
 from vividc.compiler.planning.estimate import Estimator, Room
-from vividc.compiler.planning.parts import Apart
+from vividc.compiler.planning.nests.parts import Apart
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.ir import DFG
 from vividc.dfg.pipeline import PassOptions, optimize_kernel

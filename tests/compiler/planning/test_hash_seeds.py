@@ -1,4 +1,6 @@
-"""The same kernel is given the same loops in every process, whatever order sets have in it."""
+"""The same kernel is given the same loops in every process, whatever order sets have in it, and on
+however many cores.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +8,8 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
 
 KERNEL = """
 import vividc
@@ -35,7 +39,9 @@ def with_exits(x, out, t):
     out[2] = s
 """
 PROCESS = """
-import sys
+import os, sys
+if sys.argv[3] == "on one core":
+    os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
 sys.path.insert(0, sys.argv[1])
 from nests import both, with_exits
 from vividc import arch
@@ -53,10 +59,10 @@ for kernel, options in ((both, LoopOptions()), (with_exits, unrolled)):
 """
 
 
-def stages(folder: Path, seed: str) -> str:
+def stages(folder: Path, seed: str, cores: str = "") -> str:
     """The functions of the plan that a process with this seed makes."""
     line = KERNEL[: KERNEL.index("for i in range(len(x))")].count("\n") + 1
-    script = [sys.executable, "-c", PROCESS, str(folder), str(line)]
+    script = [sys.executable, "-c", PROCESS, str(folder), str(line), cores]
     env = {**os.environ, "PYTHONHASHSEED": seed}
     done = subprocess.run(script, env=env, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
@@ -66,3 +72,9 @@ def stages(folder: Path, seed: str) -> str:
 def test_plans_do_not_depend_on_the_seed_of_hashes(tmp_path: Path) -> None:
     (tmp_path / "nests.py").write_text(KERNEL)
     assert len({stages(tmp_path, seed) for seed in ("0", "1", "3")}) == 1
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="cores are given to processes on Linux")
+def test_plans_do_not_depend_on_how_many_cores_there_are(tmp_path: Path) -> None:
+    (tmp_path / "nests.py").write_text(KERNEL)
+    assert stages(tmp_path, "0") == stages(tmp_path, "0", "on one core")

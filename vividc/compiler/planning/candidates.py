@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
-from vividc.compiler.planning.parts import jammed
+from vividc.compiler.planning.nests.parts import jammed
 from vividc.compiler.planning.state import MOST_INSTRUCTIONS, State
 from vividc.ssa.analysis.constant_trips import constant_trips
 from vividc.ssa.flow import Loop, find_loops

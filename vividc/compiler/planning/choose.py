@@ -17,10 +17,10 @@ from vividc.compiler.planning.demands import obey
 from vividc.compiler.planning.estimate import Estimate, Estimator
 from vividc.compiler.planning.fit import fitted, is_far_too_long, version_for_sizes
 from vividc.compiler.planning.interleave import loops_around_waiting
+from vividc.compiler.planning.nests.parts import Restructured, joined_parts, static_part
+from vividc.compiler.planning.nests.restructure import restructured, restructured_together
 from vividc.compiler.planning.options import LoopOptions
-from vividc.compiler.planning.parts import Restructured, joined_parts, static_part
 from vividc.compiler.planning.plan import Draft, Plan, Stage, better_last, clearly_better
-from vividc.compiler.planning.restructure import restructured, restructured_together
 from vividc.compiler.planning.state import State
 from vividc.errors import TimeLimit
 from vividc.host import time_limit

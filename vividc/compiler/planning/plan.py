@@ -9,8 +9,8 @@ from dataclasses import dataclass, field, replace
 
 from vividc.compiler.planning.candidates import Candidate, Kind, apply
 from vividc.compiler.planning.estimate import Estimate, Estimator
+from vividc.compiler.planning.nests.parts import with_tree
 from vividc.compiler.planning.options import LoopOptions
-from vividc.compiler.planning.parts import with_tree
 from vividc.compiler.planning.state import State
 from vividc.errors import SourceLoc
 from vividc.ssa.analysis.frequency import expected_trips

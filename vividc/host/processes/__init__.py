@@ -1,3 +1,3 @@
 """Other processes: `lifeline` (one that ends with the process that started it), `crew` (work shared
-with helpers).
+with helpers), `ahead` (jobs done by a copy of this process before it comes to them).
 """

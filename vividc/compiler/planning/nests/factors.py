@@ -50,6 +50,12 @@ _LARGE_TILE = 32
 _MUCH_BETTER = 0.9
 """See `crowded`."""
 
+_PAST = 1.05
+"""See `are_past_the_best`: of 42 groups (of 234 kernels and NPBench) in which 4 by 4 and smaller
+factors were tried, larger ones are the best in 10, in none where 4 by 4 takes 1.01 times the cycles
+of smaller ones; at 1.05 and more (13 groups) larger ones take 1.02 times the best or more.
+"""
+
 FIRST = (((4, 4), 8), ((1, 8), 4), ((2, 2), 2))
 """What orders are compared by: the first of these whose code fits into the contexts, of two loops
 and of one.
@@ -100,6 +106,18 @@ def crowded(cycles: Mapping[tuple[int, ...], float]) -> list[tuple[int, ...]]:
     large = [one for one in cycles if math.prod(one) > _LARGE_TILE]
     rest = min((cycles[one] for one in cycles if one not in large), default=math.inf)
     return [one for one in large if cycles[one] > _MUCH_BETTER * rest]
+
+
+def are_past_the_best(cycles: Mapping[tuple[int, ...], float], factors: tuple[int, ...]) -> bool:
+    """Whether smaller factors are so much better than these that larger ones are not tried.
+
+    Parameters
+    ----------
+    cycles
+        Of the factors that were tried.
+    """
+    smaller = [taken for one, taken in cycles.items() if covers(factors, one)]
+    return bool(smaller) and cycles.get(factors, 0.0) > _PAST * min(smaller)
 
 
 def chosen(

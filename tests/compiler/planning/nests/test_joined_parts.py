@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import vividc
-from vividc.compiler.planning.parts import joined_parts
+from vividc.compiler.planning.nests.parts import joined_parts
 from vividc.compiler.planning.state import State
 from vividc.ssa.analysis.frequency import expected_trips
 from vividc.ssa.flow import find_loops

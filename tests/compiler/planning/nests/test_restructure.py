@@ -15,7 +15,7 @@ from tests.ssa.polyhedral.test_generate import demand_same
 from vividc import arch
 from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.estimate import Estimator
-from vividc.compiler.planning.factors import crowded, more
+from vividc.compiler.planning.nests.factors import crowded, more
 from vividc.compiler.planning.options import LoopOptions
 from vividc.dfg.pipeline import PassOptions
 from vividc.machine.opcodes import Opcode

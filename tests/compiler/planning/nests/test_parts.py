@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tests.programs import Access, Nest, affine_nests, lower, programs
 from tests.rules import Case, cases
 from tests.ssa.support import FUNCTIONS, demand_same, loop_at
-from vividc.compiler.planning.parts import jammed
+from vividc.compiler.planning.nests.parts import jammed
 from vividc.compiler.planning.state import State
 from vividc.dfg.cut.build import build_kernel
 from vividc.ssa.analysis.frequency import expected_trips
