@@ -90,6 +90,25 @@ def test_accumulations_of_rows_run_side_by_side() -> None:
     assert chosen(product, auto=False, jam=asked) == [("unroll-and-jam", 4)]
 
 
+@vividc.kernel("void(int32[::1])")
+def mixed(x):
+    """More operations an element than a loop may have twice."""
+    for i in range(len(x)):
+        value, mixture = x[i], np.int32(0)
+        for k in range(33):
+            mixture ^= (value >> np.int32(k % 32)) * (value + np.int32(k))
+        x[i] = mixture
+
+
+def test_what_is_sure_to_be_too_large_is_not_unrolled_first() -> None:
+    found = plan(mixed)
+    assert made(found.stages[-1]) == [("full unrolling", 0)]
+    tried = [one for one in found.decisions if one.kind == "unrolling" and not one.after]
+    operations = found.stages[-1].estimate.largest_loop(16)
+    assert tried
+    assert tried[-1].reason == f"a loop would have {2 * operations} operations, more than 192"
+
+
 @vividc.kernel("void(float32[:, ::1], float32[:, ::1], float32[:, ::1])")
 def multiplied(c, a, b):
     """c += a @ b, with the rows of b innermost."""

@@ -20,7 +20,7 @@ from vividc.compiler.planning.interleave import loops_around_waiting
 from vividc.compiler.planning.nests.parts import Restructured, joined_parts, static_part
 from vividc.compiler.planning.nests.restructure import restructured, restructured_together
 from vividc.compiler.planning.options import LoopOptions
-from vividc.compiler.planning.plan import Draft, Plan, Stage, better_last, clearly_better
+from vividc.compiler.planning.plan import Draft, Plan, Stage, better_last, clearly_better, too_large
 from vividc.compiler.planning.state import State
 from vividc.errors import TimeLimit
 from vividc.host import time_limit
@@ -456,9 +456,10 @@ class _Chooser(Draft):
         time_limit.step("loop transformations were chosen")
         share, limit = _GAIN[candidate.kind], self._most_operations(base, candidate.kind)
         is_rare = self._is_rare(base, changed_by(base.state, candidate), 1.0 - share - _BESIDE)
-        foreseen = None if is_rare else self.foreseen(base, candidate, share, limit)
-        if is_rare or foreseen is not None:
-            self.note(base, candidate, foreseen, _TOO_RARE if is_rare else _NO_GAIN)
+        reason = _TOO_RARE if is_rare else self.in_vain(base, candidate, limit)
+        foreseen = None if reason else self.foreseen(base, candidate, share, limit)
+        if reason or foreseen is not None:
+            self.note(base, candidate, foreseen, reason or _NO_GAIN)
             return None
         state = self.applied(base.state, candidate)
         if isinstance(state, Refusal):
@@ -473,7 +474,7 @@ class _Chooser(Draft):
         limit = self._most_operations(base, candidate.kind)
         largest = self.estimator.largest_loop(estimate)
         if largest > limit:
-            return f"a loop would have {largest} operations, more than {limit}"
+            return too_large(largest, limit)
         if math.isinf(estimate.cycles):
             return f"it needs more than the {self.estimator.fabric.controller.contexts} contexts"
         share = _GAIN[candidate.kind]

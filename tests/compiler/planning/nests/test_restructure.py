@@ -15,7 +15,7 @@ from tests.ssa.polyhedral.test_generate import demand_same
 from vividc import arch
 from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.estimate import Estimator
-from vividc.compiler.planning.nests.factors import crowded, more
+from vividc.compiler.planning.nests.factors import are_past_the_best, crowded, more
 from vividc.compiler.planning.options import LoopOptions
 from vividc.dfg.pipeline import PassOptions
 from vividc.machine.opcodes import Opcode
@@ -217,3 +217,11 @@ def test_rows_are_no_more_than_constant_stores_have_addresses_for(
     made = [s for s in stages if s.decision and s.decision.kind == "restructuring"]
     assert {s.decision.factor for s in made if s.decision} == rows
     assert all(s.estimate.entries <= 0.6 * estimator.entries for s in made)
+
+
+def test_larger_factors_are_not_tried_where_smaller_ones_are_better() -> None:
+    cycles = {(4, 4): 110.0, (1, 4): 200.0, (4, 1): 100.0}
+    assert are_past_the_best(cycles, (4, 4))
+    assert not are_past_the_best({**cycles, (4, 4): 104.0}, (4, 4))
+    assert not are_past_the_best(cycles, (4, 1))  # the smaller one of its columns is none of it
+    assert not are_past_the_best(cycles, (2, 2))
