@@ -196,7 +196,8 @@ def compiled(name: str) -> tuple[vividc.KernelFunction, Kernel, Program]:
     machine = arch.load("vivid-tile")
     kernel = BY_NAME[name].kernel()
     lowered = lower(kernel)
-    mapped, results = map_kernel(lowered, machine, CompileOptions())
+    effort = "normal" if name in QUICK else "thorough"  # of which all loops come with proofs
+    mapped, results = map_kernel(lowered, machine, CompileOptions(effort=effort))
     mappings = {i: r.mapping for i, r in results.items() if r.mapping is not None}
     return kernel, lowered, encode(mapped, machine, mappings, reports=results)
 
