@@ -34,7 +34,7 @@ from vividc.mapper import (
     map_dfg,
     mapping_from_json,
 )
-from vividc.mapper.engines.cpsat.minimise import measure
+from vividc.mapper.engines.cpsat.minima import measure
 
 _MUTATIONS: Final = 500
 _OF_THE_PROBLEM: Final = 20

@@ -22,7 +22,7 @@ from vividc.mapper import (
     check_certificate,
     violations,
 )
-from vividc.mapper.engines.cpsat.minimise import measure
+from vividc.mapper.engines.cpsat.minima import measure
 
 _NAMES = ("hops", "registers", "length")
 

@@ -24,7 +24,7 @@ from vividc.mapper.check.case import Violation
 from vividc.mapper.check.certificate import check_certificate
 from vividc.mapper.check.verify import violations
 from vividc.mapper.deadline import limited
-from vividc.mapper.engines.cpsat import OBJECTIVES, Extension, Search, minimise
+from vividc.mapper.engines import cpsat
 from vividc.mapper.mapping import Status, Subject
 from vividc.mapper.problem import ConstantKey, MapProblem
 from vividc.mapper.registry import BUILT_IN, find_mapper, guest_fault, named, takes_constraints
@@ -49,7 +49,7 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     progress: Progress | None = None,
     effort: EffortLevel = "prove",
     part: float = 1.0,
-    extend: Extension | None = None,
+    extend: cpsat.Extension | None = None,
     objective: str | None = None,
 ) -> MapResult:
     """Map a loop's DFG onto a fabric with the least II that can be found, and say what was proved
@@ -130,7 +130,7 @@ def _mapped(
     return result
 
 
-def _share_of_the_ii(extend: Extension | None, objective: str | None) -> float:
+def _share_of_the_ii(extend: cpsat.Extension | None, objective: str | None) -> float:
     """The search's share of the time; the rest is for what is minimised at the II."""
     if objective is not None:
         return SHARE_BEFORE_OBJECTIVE
@@ -142,20 +142,24 @@ def _minimised(
 ) -> MapResult:
     if result.mapping is None:
         return result
-    search = Search(request.deadline, request.workers)
+    search = cpsat.Search(request.deadline, request.workers)
     try:
         request.tell(f"II {result.ii}: minimising {objective or 'the added objective'}")
-        mapping, minimum = minimise(problem, result.mapping, objective, request.extend, search)
+        mapping, minimum = cpsat.minimise(
+            problem, result.mapping, objective, request.extend, search
+        )
     except KeyboardInterrupt as stop:
         raise MapInterrupted(result) from stop
     return replace(result, mapping=mapping, objective=minimum)
 
 
-def _check_door(mapper: str, extend: Extension | None, objective: str | None) -> None:
+def _check_door(mapper: str, extend: cpsat.Extension | None, objective: str | None) -> None:
     if objective is not None:
-        demand_type(objective, str, "the objective", f"choose one of: {', '.join(OBJECTIVES)}")
-    if objective is not None and objective not in OBJECTIVES:
-        known = ", ".join(OBJECTIVES)
+        demand_type(
+            objective, str, "the objective", f"choose one of: {', '.join(cpsat.OBJECTIVES)}"
+        )
+    if objective is not None and objective not in cpsat.OBJECTIVES:
+        known = ", ".join(cpsat.OBJECTIVES)
         raise VividcError(
             f"unknown objective {objective!r}", loc="objective", hint=f"choose one of: {known}"
         )

@@ -7,20 +7,7 @@ from typing import Final
 
 from vividc.mapper.bounds.refutations import BY_FOLDING, BY_MODEL, BY_SCHEDULE, WITHIN_ADDED
 from vividc.mapper.deadline import Deadline
-from vividc.mapper.engines.cpsat import (
-    Extension,
-    Prepared,
-    ScheduleOptions,
-    Search,
-    complete_slack,
-    fixed,
-    folded,
-    place_and_route,
-    refute_folded,
-    refute_schedule,
-    schedule,
-    windowed,
-)
+from vividc.mapper.engines import cpsat
 from vividc.mapper.engines.negotiate import Effort, least_span, negotiate, tight_frame
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
@@ -64,11 +51,11 @@ def refute_cheaply(
     """
     share = SCHEDULED_SHARE_TO_PROVE if request.effort == "prove" else SCHEDULED_SHARE
     part = deadline.within(deadline.remaining_s * share)
-    any_schedule = ScheduleOptions(slack=ii, carry=False)
-    search = Search(part, request.workers, light=True)
-    if schedule(problem, ii, any_schedule, search).verdict == "found" or deadline.passed:
+    any_schedule = cpsat.ScheduleOptions(slack=ii, carry=False)
+    search = cpsat.Search(part, request.workers, light=True)
+    if cpsat.schedule(problem, ii, any_schedule, search).verdict == "found" or deadline.passed:
         return OPEN
-    outcome = refute_schedule(problem, ii, Search(deadline, request.workers))
+    outcome = cpsat.refute_schedule(problem, ii, cpsat.Search(deadline, request.workers))
     if outcome.verdict == "refuted":
         return Attempt(refuted_by=BY_SCHEDULE)
     return OPEN
@@ -143,8 +130,8 @@ def map_decoupled(
         budget_s = ROUTE_S + len(problem.dfg.placed) * ROUTE_S_PER_NODE
         turn = min(seed // len(SCHEDULE_KINDS), MOST_DOUBLINGS)
         share = deadline.within(budget_s * 2**turn)
-        search = Search(share, 1, seed, light=True, jumps=False)
-        attempt = _joint(fixed(problem, ii, start, slack), search, request.extend)
+        search = cpsat.Search(share, 1, seed, light=True, jumps=False)
+        attempt = _joint(cpsat.fixed(problem, ii, start, slack), search, request.extend)
         if attempt.mapping is not None:
             return attempt
     return OPEN
@@ -156,11 +143,11 @@ def refute_by_folding(
     """Place and route in slots instead of times: what has no solution there has no schedule,
     however long.
     """
-    model = folded(problem, ii)
+    model = cpsat.folded(problem, ii)
     if not _buildable(model, deadline):
         return OPEN
     request.tell(f"II {ii}: solving the cyclic relaxation")
-    if refute_folded(model, Search(deadline, request.workers)).verdict == "refuted":
+    if cpsat.refute_folded(model, cpsat.Search(deadline, request.workers)).verdict == "refuted":
         return Attempt(refuted_by=BY_FOLDING)
     return OPEN
 
@@ -169,21 +156,21 @@ def map_jointly(
     problem: MapProblem, ii: int, request: MapRequest, deadline: Deadline, _: int = 0
 ) -> Attempt:
     """Time, place and route in one model, with windows that grow until they are complete."""
-    complete = complete_slack(problem, ii)
+    complete = cpsat.complete_slack(problem, ii)
     if request.extend is not None:  # what is added may ask for longer schedules: all of them
         complete = ii * problem.fabric.controller.max_stages
     slack = min(max(ii // 2, 1), complete)
-    model = windowed(problem, ii, slack)
+    model = cpsat.windowed(problem, ii, slack)
     if slack > 1 and not _buildable(model, deadline):
-        slack, model = 1, windowed(problem, ii, 1)
+        slack, model = 1, cpsat.windowed(problem, ii, 1)
     while not deadline.passed and _buildable(model, deadline):
         request.tell(f"II {ii}: joint model with slack {slack}, {model.size} Booleans")
         if slack >= complete:
-            return _joint(model, Search(deadline, request.workers), request.extend)
+            return _joint(model, cpsat.Search(deadline, request.workers), request.extend)
         slack = min(2 * slack, complete)
-        wider, half = windowed(problem, ii, slack), deadline.within(deadline.remaining_s / 2)
+        wider, half = cpsat.windowed(problem, ii, slack), deadline.within(deadline.remaining_s / 2)
         share = half if _buildable(wider, half) else deadline
-        attempt = _joint(model, Search(share, request.workers, light=True), request.extend)
+        attempt = _joint(model, cpsat.Search(share, request.workers, light=True), request.extend)
         if attempt.mapping is not None:
             return attempt
         model = wider
@@ -196,24 +183,26 @@ def _schedule(
     options = _options(ii, seed)
     budget_s = SCHEDULE_S + len(problem.dfg.placed) * SCHEDULE_S_PER_NODE
     budget = deadline.within(min(budget_s, deadline.remaining_s / 2))
-    return schedule(problem, ii, options, Search(budget, request.workers, seed, light=True)).value
+    return cpsat.schedule(
+        problem, ii, options, cpsat.Search(budget, request.workers, seed, light=True)
+    ).value
 
 
-def _options(ii: int, seed: int) -> ScheduleOptions:
+def _options(ii: int, seed: int) -> cpsat.ScheduleOptions:
     """Which schedule to try next: tight and loose in turn, either may be the one that routes."""
     easy_life, stages = SCHEDULE_KINDS[seed % len(SCHEDULE_KINDS)]
     turn = seed // len(SCHEDULE_KINDS)
     slack = 2 if stages == 0 else stages * ii
-    return ScheduleOptions(easy_life, slack, turn, spread=turn % 2 == 0)
+    return cpsat.ScheduleOptions(easy_life, slack, turn, spread=turn % 2 == 0)
 
 
-def _joint(model: Prepared, search: Search, extend: Extension | None) -> Attempt:
+def _joint(model: cpsat.Prepared, search: cpsat.Search, extend: cpsat.Extension | None) -> Attempt:
     """What the solver says of the model; a refutation holds for its windows only, so that only a
     caller whose windows are complete may pass it on.
     """
     if not _buildable(model, search.deadline):
         return OPEN
-    outcome = place_and_route(model, search, extend=extend)
+    outcome = cpsat.place_and_route(model, search, extend=extend)
     if outcome.value is not None:
         return Attempt(mapping=outcome.value)
     if outcome.verdict == "refuted":
@@ -221,6 +210,6 @@ def _joint(model: Prepared, search: Search, extend: Extension | None) -> Attempt
     return OPEN
 
 
-def _buildable(model: Prepared, deadline: Deadline) -> bool:
+def _buildable(model: cpsat.Prepared, deadline: Deadline) -> bool:
     affordable = min(BOOLEANS_PER_S * deadline.remaining_s, MOST_BOOLEANS)
     return model.least_size <= affordable and model.size <= affordable

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from vividc.mapper.deadline import Deadline
-from vividc.mapper.engines.cpsat import MobilityModel, Search, fixed, place_and_route
+from vividc.mapper.engines import cpsat
 from vividc.mapper.mapping import Place
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
@@ -23,12 +23,12 @@ def map_by_mobility(
     """
     for stages in MOBILITY_EXTRA_STAGES:
         part = deadline.within(deadline.remaining_s / (len(MOBILITY_EXTRA_STAGES) - stages))
-        model = MobilityModel.of(problem, ii, stages * ii, part)
+        model = cpsat.MobilityModel.of(problem, ii, stages * ii, part)
         if model is None:
             continue
         for number in range(MOBILITY_PLACEMENTS):
             request.tell(f"II {ii}: kernel mobility schedule, placement {number + 1}")
-            places = model.solve(Search(part, request.workers, number + tries, light=True))
+            places = model.solve(cpsat.Search(part, request.workers, number + tries, light=True))
             if places is None:
                 break
             attempt = _route(problem, ii, places, part)
@@ -43,5 +43,7 @@ def _route(problem: MapProblem, ii: int, places: dict[int, Place], deadline: Dea
     here = {node: frozenset({place.pe}) for node, place in places.items()}
     times = {node: place.time for node, place in places.items()}
     task = replace(problem, allowed=here)
-    outcome = place_and_route(fixed(task, ii, times), Search(deadline, 1, light=True))
+    outcome = cpsat.place_and_route(
+        cpsat.fixed(task, ii, times), cpsat.Search(deadline, 1, light=True)
+    )
     return Attempt(mapping=outcome.value)
