@@ -69,8 +69,8 @@ heat-3d takes 1.04 times), and stalls may be others (at 0.968 outer_product take
 
 _CLEARLY = 1.1
 """Where masks (or none) are so much better with the first factors, none (or masks) are not tried
-with the best ones: of 8 groups of triangles (234 kernels) that were in 5, and would not have been
-better there in any.
+with the best ones: of 22 groups of triangles (234 kernels, NPBench) they are in 15, and would not
+be better with the best ones in any.
 """
 
 _FAR = 1.5
