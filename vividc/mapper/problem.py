@@ -10,6 +10,7 @@ from typing import Any
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Node
+from vividc.host.once import once_each
 from vividc.machine.opcodes import Opcode
 
 ConstantKey = tuple[str, int | str]
@@ -174,27 +175,21 @@ class MapProblem:
         """Constant-store entries that `node` occupies on its PE: operands, first words of
         recurrences, and a live-out's own entry.
         """
-        keys: dict[ConstantKey, None] = {}
-        for edge in self.dfg.in_edges[node.id]:
-            for source in (edge.src, edge.init):
-                if source is not None and edge.is_data:
-                    key = constant_key(self.dfg.by_id[source])
-                    if key is not None:
-                        keys[key] = None
-        if node.op is Opcode.LIVE_OUT:
-            keys[("live_in", node.name)] = None
-        return tuple(keys)
+        return _constants_of(self.dfg)[node.id]
 
     def release(self, node: Node, pe: int) -> int:
         """The first cycle in which the drain before it lets a node issue on a PE."""
+        return self.releases_on(node, (pe,))[0]
+
+    def releases_on(self, node: Node, pes: Iterable[int]) -> list[int]:
+        """As `release`, on each of these PEs."""
         if self.drain is None:
-            return 0
+            return [0 for _ in pes]
         first = self.drain.accessible_from(node) if node.is_memory else 0
-        for entry in self.constants_of(node):
-            is_own = node.op is Opcode.LIVE_OUT and entry == ("live_in", node.name)
-            from_which = self.drain.writable_from if is_own else self.drain.readable_from
-            first = max(first, from_which.get((pe, entry), 0))
-        return first
+        own = ("live_in", node.name) if node.op is Opcode.LIVE_OUT else None
+        writable, readable = self.drain.writable_from, self.drain.readable_from
+        held = [(key, writable if key == own else readable) for key in self.constants_of(node)]
+        return [max([first, *(since.get((pe, key), 0) for key, since in held)]) for pe in pes]
 
     def tail(self, node: Node) -> int:
         """Cycles from a node's issue to the end of the region, for what the loop behind it needs
@@ -220,10 +215,28 @@ class MapProblem:
         if self.drain is None:
             return {}
         found = (
-            (node.id, min((self.release(node, pe) for pe in self.candidates(node)), default=0))
+            (node.id, min(self.releases_on(node, self.candidates(node)), default=0))
             for node in self.dfg.placed
         )
         return {node: cycle for node, cycle in found if cycle}
+
+
+@once_each
+def _constants_of(dfg: DFG) -> dict[int, tuple[ConstantKey, ...]]:
+    """`MapProblem.constants_of` of each node."""
+    found: dict[int, tuple[ConstantKey, ...]] = {}
+    for node in dfg.nodes:
+        keys: dict[ConstantKey, None] = {}
+        for edge in dfg.in_edges[node.id]:
+            for source in (edge.src, edge.init):
+                if source is not None and edge.is_data:
+                    key = constant_key(dfg.by_id[source])
+                    if key is not None:
+                        keys[key] = None
+        if node.op is Opcode.LIVE_OUT:
+            keys[("live_in", node.name)] = None
+        found[node.id] = tuple(keys)
+    return found
 
 
 def constant_key(node: Node) -> ConstantKey | None:

@@ -187,7 +187,7 @@ def _releases(problem: MapProblem, placed: Sequence[Node]) -> Ints2:
     pes = len(problem.fabric.pes)
     if problem.drain is None:
         return np.zeros((len(placed), pes), dtype=np.int64)
-    rows = [[problem.release(node, pe) for pe in range(pes)] for node in placed]
+    rows = [problem.releases_on(node, range(pes)) for node in placed]
     return np.array(rows, dtype=np.int64).reshape(-1, pes)
 
 
