@@ -151,6 +151,11 @@ class One:
         MappingFailed
             There is no room for it.
         """
+        found = self._found(problem)
+        _demand_right(problem, mapping_of(found.result))
+        return found
+
+    def _found(self, problem: MapProblem) -> Found:
         before, behind = self.around.before, self.around.behind
         drains = () if before is None else _drains(*before, problem)
         made, early = self._drained(problem, drains)
@@ -245,16 +250,6 @@ class One:
     def _mapped(self, problem: MapProblem) -> MapResult:
         start = time.monotonic()
         mapping = self._scheduled(problem)
-        faults = violations(
-            problem.dfg,
-            problem.fabric,
-            mapping,
-            allowed=problem.allowed,
-            resident=problem.resident,
-            straight=True,
-        )
-        if faults:
-            raise InternalError(f"list schedule of {problem.dfg.name}: {faults[0].message}")
         bound = straight_lower_bound(replace(problem, fill=None))
         wall_s = time.monotonic() - start
         if self.progress is not None:
@@ -278,3 +273,17 @@ class One:
         if isinstance(found, MappingFailed):
             raise found
         return found
+
+
+def _demand_right(problem: MapProblem, mapping: Mapping) -> None:
+    """Raises InternalError if the verifier finds anything wrong with a schedule."""
+    faults = violations(
+        problem.dfg,
+        problem.fabric,
+        mapping,
+        allowed=problem.allowed,
+        resident=problem.resident,
+        straight=True,
+    )
+    if faults:
+        raise InternalError(f"list schedule of {problem.dfg.name}: {faults[0].message}")
