@@ -231,15 +231,15 @@ class _Climb:
         that is better: what columns next to each other load is carried if rows alone are masked.
         """
         best = min(self.trees.all_made, key=lambda one: one.cycles, default=None)
-        loops = dict(loops_in(best.tree)) if best and not has_skews(best.tree) else {}
-        if best is not None:
-            trees = [self._otherwise(best.tree, path, loop) for path, loop in loops.items()]
-            self.trees.expect(tree for tree in trees if describe(tree) not in self._masked)
+        if best is None or has_skews(best.tree):
+            return
+        loops = {path: loop for path, loop in loops_in(best.tree) if loop.factor > 1}
+        trees = [self._otherwise(best.tree, path, loop) for path, loop in loops.items()]
+        self.trees.expect(tree for tree in trees if describe(tree) not in self._masked)
         for path, loop in loops.items():
-            assert best is not None
             tree = self._otherwise(best.tree, path, loop)
             name = describe(tree)
-            if loop.factor == 1 or name in self.trees.tried:
+            if name in self.trees.tried:
                 continue
             if name not in self._masked:
                 self._masked[name] = self.trees.outcome(tree)
