@@ -11,17 +11,25 @@ from tests.mapper.random_graphs import random_loop
 from vividc import arch
 from vividc.arch.fabric import Fabric
 from vividc.mapper.bounds.bounds import all_bounds, mii
-from vividc.mapper.engines.negotiate.anneal import State, anneal, new_heat
+from vividc.mapper.engines.negotiate.anneal import State, anneal, new_heat, push
 from vividc.mapper.engines.negotiate.arrays import Task, build_task
 from vividc.mapper.engines.negotiate.frame import Frame
 from vividc.mapper.engines.negotiate.motion import (
     LATES,
+    NODES,
     STALL,
+    Motion,
+    arriving_excess,
     begin,
     cost_all,
+    excess_of_all,
+    exchange,
     meeting_cost,
     new_motion,
+    nodes_change,
     put,
+    swap,
+    touch,
 )
 from vividc.mapper.engines.negotiate.places import (
     MET,
@@ -43,7 +51,7 @@ from vividc.mapper.engines.negotiate.words import (
     withdraw,
 )
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.resources.arrays import ints
+from vividc.mapper.resources.arrays import Ints, ints
 from vividc.mapper.resources.banks import NO_MEETINGS, Meetings
 from vividc.mapper.resources.dependences import dependences, earliest_starts
 from vividc.mapper.resources.mrrg import build_mrrg
@@ -140,6 +148,105 @@ def test_kept_costs_are_those_of_what_lies_there(name: str) -> None:
     assert np.array_equal(state.motion.word_cost, fresh.word_cost)
     assert fresh.word_cost.any()
     assert state.motion.listed[LATES] == fresh.listed[LATES]
+    assert np.array_equal(state.motion.late, fresh.late)
+
+
+def drawn_move(task: Task, state: State, random: np.random.Generator, nodes: int) -> Motion:
+    """Some nodes go to any PEs that they can be on, in their own slots or in any others."""
+    motion, count = state.motion, len(task.nodes.latency)
+    begin(motion)
+    for node in random.choice(count, nodes, replace=False).tolist():
+        pe = int(random.choice(np.flatnonzero(task.nodes.can[node])))
+        time = int(state.places.time[node])
+        if random.random() < 0.5:
+            time = int(random.integers(task.nodes.last[node] + 1))
+        put(task.array, motion, node, pe, time)
+    return motion
+
+
+@pytest.mark.parametrize("name", ["openedge-3x3", "adres-3x3", "mesh-3x3"])
+def test_a_move_changes_costs_by_what_they_are_afterwards(name: str) -> None:
+    _, task, state = annealed(name, 5, 0, moves=2000)
+    places, random = state.places, np.random.default_rng(7)
+    before, after = new_motion(task, state.words), new_motion(task, state.words)
+    cost_all(task, places, before)
+    for turn in range(60):
+        motion = drawn_move(task, state, random, 1 + turn % 3)
+        swap(task, places, motion)
+        cost_all(task, places, after)
+        change = nodes_change(task, places, motion)
+        swap(task, places, motion)
+        total = after.edge_cost.sum() - before.edge_cost.sum()
+        total += after.word_cost.sum() - before.word_cost.sum()
+        assert change == pytest.approx(total)
+
+
+@pytest.mark.parametrize("name", ["adres-3x3", "mesh-3x3"])
+def test_what_is_refused_before_it_is_made_would_be_afterwards(name: str) -> None:
+    """No less is beyond capacity than is foreseen, and who is known in a slot is what making the
+    move and taking it back leave.
+    """
+    _, task, state = annealed(name, 6, 0, moves=3000)
+    places, random, foreseen = state.places, np.random.default_rng(8), 0
+    for turn in range(400):
+        motion = drawn_move(task, state, random, 1 + turn % 4)
+        over = int(places.over[0])
+        arriving = arriving_excess(task, places, motion)
+        least = over - excess_of_all(task, places, motion) + arriving
+        foreseen += arriving
+        touched = places._replace(at=places.at.copy())
+        touch(task, touched, motion)
+        exchange(task, places, motion)
+        assert places.over[0] >= least
+        exchange(task, places, motion)
+        assert places.over[0] == over
+        assert np.array_equal(touched.at, places.at)
+    assert foreseen
+
+
+def pushed_along_paths(
+    task: Task, places: Places, first: int, time: int, sign: int
+) -> tuple[Ints, set[int]]:
+    """Times, and who is pushed, as the longest paths from the `first` node at a time say; around
+    a recurrence without end they go on for as many rounds as there are nodes.
+    """
+    edges, times, pushed = task.edges, places.time.copy(), {first}
+    times[first] = time
+    for _ in range(len(times) + 1):
+        for number, (src, dst) in enumerate(zip(edges.src, edges.dst, strict=True)):
+            gap = edges.shift[number]
+            if edges.routed[number]:
+                gap = edges.ready[number] + task.array.reach[places.pe[src], places.pe[dst]]
+            one, other = (src, dst) if sign > 0 else (dst, src)
+            if int(one) in pushed and sign * (times[one] - times[other]) + gap > 0:
+                times[other] = times[one] + sign * gap
+                pushed.add(int(other))
+    return times, pushed
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_what_is_pushed_goes_as_far_as_it_must(sign: int) -> None:
+    """Nothing does if one leaves the schedule or comes back to where it began."""
+    _, task, state = annealed("mesh-3x3", 0, 0, moves=5000)
+    places, motion, last = state.places, state.motion, task.nodes.last
+    random, outcomes = np.random.default_rng(9), set()
+    for turn in range(120):
+        node = turn % len(last)
+        end = int(last[node]) if sign > 0 else 0
+        time = int(places.time[node]) + sign
+        time += int(random.integers(abs(end - time) + 1)) * sign if sign * (end - time) > 0 else 0
+        if sign * (end - time) < 0:
+            continue
+        begin(motion)
+        put(task.array, motion, node, int(places.pe[node]), time)
+        possible = push(task, places, motion, sign)
+        times, pushed = pushed_along_paths(task, places, node, time, sign)
+        assert possible == (times[node] == time and bool(np.all((times >= 0) & (times <= last))))
+        outcomes.add((possible, len(pushed) > 1))
+        if possible:
+            assert {int(motion.nodes[at]) for at in range(motion.listed[NODES])} == pushed
+            assert all(motion.time[other] == times[other] for other in pushed)
+    assert outcomes >= {(True, False), (True, True), (False, True)}
 
 
 @pytest.mark.parametrize("name", ["adres-3x3", "mesh-3x3"])

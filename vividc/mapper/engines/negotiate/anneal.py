@@ -17,15 +17,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vividc.mapper.engines.negotiate.arrays import Task
+from vividc.mapper.engines.negotiate.arrays import LEAVES, ROUTED, Task
 from vividc.mapper.engines.negotiate.compiled import compiled, inlined
 from vividc.mapper.engines.negotiate.motion import (
     BROKEN,
     CLASH,
-    LATE,
     LATES,
+    MOVE,
     NODES,
     Motion,
+    arriving_excess,
     begin,
     claims_cost,
     clashes,
@@ -34,7 +35,6 @@ from vividc.mapper.engines.negotiate.motion import (
     exchange,
     hide_words,
     keep_costs,
-    list_affected,
     meeting_cost,
     moves,
     nodes_change,
@@ -43,6 +43,7 @@ from vividc.mapper.engines.negotiate.motion import (
     restore_words,
     show_words,
     swap,
+    touch,
     withdraw_words,
 )
 from vividc.mapper.engines.negotiate.places import Places, draw, excess, window
@@ -62,6 +63,8 @@ _ANY, _LEAST_ANY, _SMALL_ARRAY = 50, 5, 16
 """Of 100 PEs that are proposed, how many are any, on an array of so many; on larger ones fewer."""
 _BY_GRAPH_BELOW = 70
 """Of 100, below which number the others are near a neighbour in the graph and not near its own."""
+_DEAREST = 24.0 * math.log(2.0) + 0.001
+"""What is drawn for a move costs no more, at a heat of 1."""
 _MOST_TURNS = 16
 """Rounds over the nodes of a push: around a recurrence some are pushed again and again."""
 
@@ -113,15 +116,14 @@ def _focused(task: Task, places: Places, motion: Motion, node: int) -> int:
     """A node that breaks something, of some that are drawn, else the last of them: what is left to
     mend when it is cold hardly any node has a part in.
     """
-    nodes, edges = task.nodes, task.edges
+    nodes = task.nodes
     if places.over[0] == 0 and motion.listed[LATES] == 0:
         return node
     for _ in range(_LOOKS):
+        if motion.late[node] > 0:
+            return node
         if places.over[0] > 0 and excess(nodes, task.array, places, node) > 0:
             return node
-        for at in range(edges.of_begin[node], edges.of_begin[node + 1]):
-            if motion.edge_cost[edges.of_items[at]] >= LATE:
-                return node
         node = draw(places.random, len(nodes.latency))
     return node
 
@@ -131,15 +133,19 @@ def _consider(task: Task, state: State, heat: float) -> None:
     """Make the proposed move, unless it costs more than what is drawn for it first (Metropolis et
     al. 1953).
 
-    Most moves are refused by what places and times alone cost, before anything is claimed.
+    Most moves are refused by what places and times alone cost, before anything is claimed, and
+    many whatever is drawn.
     """
     places, words, motion = state
-    list_affected(task, motion)
-    price = -heat * math.log((1 + draw(places.random, 1 << 24)) / (1 << 24))
-    most = claims_cost(task, places, words, motion) + price
-    most += meeting_cost(task, places, motion)
+    drawn = draw(places.random, 1 << 24)
+    met = meeting_cost(task, places, motion)
     swap(task, places, motion)
     change = nodes_change(task, places, motion)
+    claims = claims_cost(task, places, words, motion)
+    if change > claims + _DEAREST * heat + met:
+        swap(task, places, motion)
+        return
+    most = claims - heat * math.log((1 + drawn) / (1 << 24)) + met
     if change <= most:  # else no stalls make up for it
         change += meeting_cost(task, places, motion)
     most -= change
@@ -158,11 +164,15 @@ def _claim(task: Task, places: Places, motion: Motion, most: float) -> None:
     what the nodes that move are part of.
     """
     over = places.over[0]
-    if over > 0 and BROKEN * (over - excess_of_all(task, places, motion)) > most:
+    least = over - excess_of_all(task, places, motion) if over > 0 else 0
+    if BROKEN * least > most:
+        return
+    if BROKEN * (least + arriving_excess(task, places, motion)) > most:
+        touch(task, places, motion)
         return
     exchange(task, places, motion)
     if BROKEN * places.over[0] <= most:
-        keep_costs(motion)
+        keep_costs(task, motion)
     else:
         exchange(task, places, motion)
 
@@ -181,7 +191,7 @@ def _claim_with_words(task: Task, state: State, most: float) -> None:
     hide_words(task, places, words, motion)
     swap(task, places, motion)
     if show_words(task, places, words, motion, most):
-        keep_costs(motion)
+        keep_costs(task, motion)
         return
     withdraw_words(task, places, words, motion)
     exchange(task, places, motion)
@@ -225,7 +235,7 @@ def _propose_push(task: Task, places: Places, motion: Motion, node: int) -> bool
     if time < 0 or time > task.nodes.last[node]:
         return False
     put(task.array, motion, node, pe, time)
-    return _push(task, places, motion, sign)
+    return push(task, places, motion, sign)
 
 
 @inlined
@@ -236,47 +246,45 @@ def _next_to_those_before(task: Task, places: Places, node: int, pe: int, sign: 
     edges = task.edges
     time = places.time[node]
     for at in range(edges.of_begin[node], edges.of_begin[node + 1]):
-        edge = edges.of_items[at]
-        src, dst = edges.src[edge], edges.dst[edge]
-        if sign > 0 and dst == node:
-            time = max(time, places.time[src] + _apart(task, edge, places.pe[src], pe))
-        elif sign < 0 and src == node:
-            time = min(time, places.time[dst] - _apart(task, edge, pe, places.pe[dst]))
+        other, leaves = edges.of_other[at], edges.of_kind[at] & LEAVES
+        if sign > 0 and not leaves:
+            apart = _apart(task, at, places.pe[other], pe)
+            time = max(time, places.time[other] + apart)
+        elif sign < 0 and leaves:
+            apart = _apart(task, at, pe, places.pe[other])
+            time = min(time, places.time[other] - apart)
     return int(min(max(time, -1), task.nodes.last[node] + 1))
 
 
 @inlined
-def _apart(task: Task, edge: int, src_pe: int, dst_pe: int) -> int:
-    """Least cycles between the ends of an edge on these PEs."""
+def _apart(task: Task, at: int, src_pe: int, dst_pe: int) -> int:
+    """Least cycles between the ends of an edge on these PEs, by what lies beside it."""
     edges = task.edges
-    if edges.routed[edge]:
-        return int(edges.ready[edge] + task.array.reach[src_pe, dst_pe])
-    return int(edges.shift[edge])
+    if edges.of_kind[at] & ROUTED:
+        return int(edges.of_lag[at] + task.array.reach[src_pe, dst_pe])
+    return int(edges.of_lag[at])
 
 
 @inlined
-def _push(task: Task, places: Places, motion: Motion, sign: int) -> bool:
+def push(task: Task, places: Places, motion: Motion, sign: int) -> bool:
     """Push what follows (sign 1) or precedes (-1) the nodes of a move out of their way; False: out
     of the schedule, or around a recurrence without end.
+
+    A node that was not pushed since it pushed others would push none: they only went farther.
     """
-    edges = task.edges
     turns, clean = 0, False
+    motion.due[motion.nodes[0]] = motion.listed[MOVE]
     while not clean:
         clean = True
         listed = 0
         while listed < motion.listed[NODES]:
             node = motion.nodes[listed]
-            for at in range(edges.of_begin[node], edges.of_begin[node + 1]):
-                edge = edges.of_items[at]
-                other = edges.dst[edge] if sign > 0 else edges.src[edge]
-                pe, time = _where(places, motion, other)
-                pushed = _pushed(task, places, motion, edge, sign)
-                if other == node or pushed == time:
-                    continue
-                if pushed < 0 or pushed > task.nodes.last[other]:
+            if motion.due[node] == motion.listed[MOVE]:
+                motion.due[node] = 0
+                pushed = _push_from(task, places, motion, node, sign)
+                if pushed < 0:
                     return False
-                put(task.array, motion, other, pe, pushed)
-                clean = False
+                clean = clean and pushed == 0
             listed += 1
         turns += 1
         if turns > _MOST_TURNS:
@@ -285,20 +293,36 @@ def _push(task: Task, places: Places, motion: Motion, sign: int) -> bool:
 
 
 @inlined
+def _push_from(task: Task, places: Places, motion: Motion, node: int, sign: int) -> int:
+    """How many nodes one that moves pushes; negative: one leaves the schedule, or the first would
+    push itself, round after round.
+    """
+    edges = task.edges
+    leaves = LEAVES if sign > 0 else 0
+    pe, time, count = motion.pe[node], motion.time[node], 0
+    for at in range(edges.of_begin[node], edges.of_begin[node + 1]):
+        if edges.of_kind[at] & LEAVES != leaves:
+            continue
+        other = edges.of_other[at]
+        its_pe, its_time = _where(places, motion, other)
+        apart = _apart(task, at, pe, its_pe) if sign > 0 else _apart(task, at, its_pe, pe)
+        pushed = time + sign * apart
+        if sign * (pushed - its_time) <= 0:
+            continue
+        if pushed < 0 or pushed > task.nodes.last[other] or other == motion.nodes[0]:
+            return -1
+        put(task.array, motion, other, its_pe, pushed)
+        motion.due[other] = motion.listed[MOVE]
+        count += 1
+    return count
+
+
+@inlined
 def _where(places: Places, motion: Motion, node: int) -> tuple[int, int]:
     """PE and time of a node after the move so far."""
     if moves(motion, node):
         return int(motion.pe[node]), int(motion.time[node])
     return int(places.pe[node]), int(places.time[node])
-
-
-@inlined
-def _pushed(task: Task, places: Places, motion: Motion, edge: int, sign: int) -> int:
-    """The time of the edge's end (sign 1) or beginning (-1) when its other end has pushed it."""
-    src_pe, src_time = _where(places, motion, task.edges.src[edge])
-    dst_pe, dst_time = _where(places, motion, task.edges.dst[edge])
-    apart = _apart(task, edge, src_pe, dst_pe)
-    return max(dst_time, src_time + apart) if sign > 0 else min(src_time, dst_time - apart)
 
 
 @inlined
@@ -314,8 +338,8 @@ def draw_pe(task: Task, places: Places, node: int) -> int:
         return int(pe)
     beside = places.pe[node]
     if array.pes <= _SMALL_ARRAY or kind < _BY_GRAPH_BELOW:
-        edge = edges.of_items[edges.of_begin[node] + draw(random, others)]
-        beside = places.pe[edges.src[edge] + edges.dst[edge] - node]
+        at = edges.of_begin[node] + draw(random, others)
+        beside = places.pe[edges.of_other[at]]
     row = array.near_begin[beside]
     near = array.near_items[row + draw(random, array.near_begin[beside + 1] - row)]
     return int(near if nodes.can[node, near] else pe)

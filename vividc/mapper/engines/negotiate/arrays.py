@@ -44,9 +44,10 @@ class Edges(NamedTuple):
     """Dependences: start[dst] - start[src] >= `shift`; a routed word lives start[dst] - start[src]
     - `ready` cycles beyond its result.
 
-    `of`: edges at each node but self loops; `sink`: routed edges out of a node; `fed`: producers of
-    what a node reads, itself not counted; `knot`: all nodes of a node's recurrences, itself among
-    them. `ahead` = II * distance.
+    `of`: edges at each node but self loops, and beside each its other end, its `shift`, its `lag`,
+    which is what it needs between two times beside the array's `reach`, and its kind, bits `LEAVES`
+    and `ROUTED`; `sink`: routed edges out of a node; `fed`: producers of what a node reads, itself
+    not counted. `ahead` = II * distance.
     """
 
     src: Ints
@@ -61,6 +62,10 @@ class Edges(NamedTuple):
     sink_items: Ints
     fed_begin: Ints
     fed_items: Ints
+    of_other: Ints
+    of_shift: Ints
+    of_lag: Ints
+    of_kind: Ints
 
 
 class Array(NamedTuple):
@@ -112,6 +117,7 @@ class Task(NamedTuple):
 
 
 FU, MEMORY, CONTROL = 1, 2, 4
+LEAVES, ROUTED = 1, 2
 READ, WRITTEN, RESIDENT = 1, 1 << 20, 1 << 40
 """Uses of an entry of a constant store, which are summed up."""
 
@@ -190,15 +196,22 @@ def _edges(deps: Sequence[Dependence], number: dict[int, int], ii: int) -> Edges
             if src != dst:
                 fed[dst][src] = None
     packed = [Rows.of(rows) for rows in (of, sinks, fed)]
-    return Edges(
-        ints(src for src, _ in ends),
-        ints(dst for _, dst in ends),
-        ints(e.separation - ii * e.distance for e in deps),
-        ints(e.latency - ii * e.distance for e in deps),
-        ints(ii * e.distance for e in deps),
-        np.array([e.routed for e in deps], dtype=np.uint8),
-        *(part for rows in packed for part in (rows.begin, rows.items)),
-    )
+    srcs, dsts = ints(src for src, _ in ends), ints(dst for _, dst in ends)
+    shift = ints(e.separation - ii * e.distance for e in deps)
+    ready = ints(e.latency - ii * e.distance for e in deps)
+    routed = np.array([e.routed for e in deps], dtype=np.uint8)
+    parts = [part for rows in packed for part in (rows.begin, rows.items)]
+    parts += _beside(packed[0], srcs, dsts, shift, np.where(routed, ready, shift), routed)
+    return Edges(srcs, dsts, shift, ready, ints(ii * e.distance for e in deps), routed, *parts)
+
+
+def _beside(
+    of: Rows, src: Ints, dst: Ints, shift: Ints, lag: Ints, routed: Bytes
+) -> tuple[Ints, Ints, Ints, Ints]:
+    """What `of` has beside each edge."""
+    node, edge = np.repeat(np.arange(len(of.begin) - 1), np.diff(of.begin)), of.items
+    kind = LEAVES * (src[edge] == node) + ROUTED * routed[edge].astype(np.int64)
+    return src[edge] + dst[edge] - node, shift[edge], lag[edge], kind
 
 
 def _has_rivals(problem: MapProblem) -> bool:

@@ -6,9 +6,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vividc.mapper.engines.negotiate.arrays import FU, Array, Edges, Task
+from vividc.mapper.engines.negotiate.arrays import FU, LEAVES, ROUTED, Array, Edges, Task
 from vividc.mapper.engines.negotiate.compiled import inlined
-from vividc.mapper.engines.negotiate.places import MET, Places, early, enter, excess, keep_slot
+from vividc.mapper.engines.negotiate.places import (
+    MET,
+    Places,
+    early,
+    enter,
+    excess,
+    keep_slot,
+    wrapped,
+)
 from vividc.mapper.engines.negotiate.words import (
     MOST_HOPS,
     Words,
@@ -34,6 +42,8 @@ word with too many reads, which share most of it.
 STALL = 8.0
 """An expected cycle of an iteration in which the tile stands still, where such are counted."""
 
+_FEW = 2
+"""Nodes of a move up to which each is held against each."""
 NODES, EDGES, WORDS, LATES, MOVE = 0, 1, 2, 3, 4
 """Positions in `Motion.listed`; the last ones: edges whose ends come too early, by their costs, and
 the number of the move.
@@ -43,9 +53,9 @@ the number of the move.
 class Motion(NamedTuple):
     """A move. `listed`: nodes, edges and words in the lists `nodes`, `edges`, `words`; in `*_in`
     the last move for which each was. `pe`, `time`, `slot`: by node what it has when the move is not
-    made, or made.
+    made, or made; `due`: the last move for which it may still push others.
     `shown`: by word what `Words` had of it: number, PEs, cycles. `edge_cost`, `word_cost`: of what
-    lies there; `*_next`, with the move.
+    lies there; `*_next`, with the move; `late`: by node its edges whose ends come too early.
     """
 
     listed: Ints
@@ -58,6 +68,7 @@ class Motion(NamedTuple):
     pe: Ints
     time: Ints
     slot: Ints
+    due: Ints
     shown_size: Ints
     shown_pe: Ints2
     shown_cycle: Ints2
@@ -65,6 +76,7 @@ class Motion(NamedTuple):
     word_cost: Floats
     edge_next: Floats
     word_next: Floats
+    late: Ints
 
 
 def new_motion(task: Task, words: Words) -> Motion:
@@ -81,6 +93,7 @@ def new_motion(task: Task, words: Words) -> Motion:
         pe=np.zeros(nodes, dtype=np.int64),
         time=np.zeros(nodes, dtype=np.int64),
         slot=np.zeros(nodes, dtype=np.int64),
+        due=np.zeros(nodes, dtype=np.int64),
         shown_size=np.zeros_like(words.size),
         shown_pe=np.zeros_like(words.pe),
         shown_cycle=np.zeros_like(words.cycle),
@@ -88,6 +101,7 @@ def new_motion(task: Task, words: Words) -> Motion:
         word_cost=np.zeros(nodes),
         edge_next=np.zeros(edges),
         word_next=np.zeros(nodes),
+        late=np.zeros(nodes, dtype=np.int64),
     )
 
 
@@ -116,53 +130,67 @@ def put(array: Array, motion: Motion, node: int, pe: int, time: int) -> None:
 
 
 @inlined
-def list_affected(task: Task, motion: Motion) -> None:
-    """List edges and words whose cost depends on the nodes that move."""
-    edges = task.edges
-    for at in range(motion.listed[NODES]):
-        node = motion.nodes[at]
-        for item in range(edges.of_begin[node], edges.of_begin[node + 1]):
-            edge = edges.of_items[item]
-            if motion.edge_in[edge] != motion.listed[MOVE]:
-                motion.edge_in[edge] = motion.listed[MOVE]
-                motion.edges[motion.listed[EDGES]] = edge
-                motion.listed[EDGES] += 1
-        _list_word(motion, node)
-        for item in range(edges.fed_begin[node], edges.fed_begin[node + 1]):
-            _list_word(motion, edges.fed_items[item])
-
-
-@inlined
-def _list_word(motion: Motion, word: int) -> None:
-    if motion.word_in[word] != motion.listed[MOVE]:
-        motion.word_in[word] = motion.listed[MOVE]
-        motion.words[motion.listed[WORDS]] = word
-        motion.listed[WORDS] += 1
-
-
-@inlined
 def cost_all(task: Task, places: Places, motion: Motion) -> None:
     """Enter the costs of all edges and words as they lie."""
     motion.listed[LATES] = 0
+    for node in range(len(motion.late)):
+        motion.late[node] = 0
     for edge in range(len(motion.edge_cost)):
         motion.edge_cost[edge] = _edge_cost(task.edges, task.array, places, edge)
-        motion.listed[LATES] += int(motion.edge_cost[edge] >= LATE)
+        _count_late(task.edges, motion, edge, int(motion.edge_cost[edge] >= LATE))
     for word in range(len(motion.word_cost)):
         motion.word_cost[word] = _word_cost(task, places, word)
 
 
 @inlined
 def nodes_change(task: Task, places: Places, motion: Motion) -> float:
-    """By how much the move, which is made, changes the costs of edges that are listed, and of how
-    long words that are listed wait: what places and times alone tell.
+    """By how much the move, which is made, changes what places and times alone tell: the costs of
+    edges, and of how long words wait. Lists both, the latter if they can: over links they cost what
+    they live, which depends on times only.
     """
-    total = 0.0
-    for at in range(motion.listed[EDGES]):
-        edge = motion.edges[at]
-        motion.edge_next[edge] = _edge_cost(task.edges, task.array, places, edge)
-        total += motion.edge_next[edge] - motion.edge_cost[edge]
-    for at in range(motion.listed[WORDS]):
-        word = motion.words[at]
+    total, with_words = 0.0, bool(task.array.outputs)
+    for at in range(motion.listed[NODES]):
+        node = motion.nodes[at]
+        with_words = with_words or motion.time[node] != places.time[node]
+        total = _edges_change(task, places, motion, node, total)
+    if with_words:
+        edges = task.edges
+        for at in range(motion.listed[NODES]):
+            node = motion.nodes[at]
+            total = _word_change(task, places, motion, node, total)
+            for item in range(edges.fed_begin[node], edges.fed_begin[node + 1]):
+                total = _word_change(task, places, motion, edges.fed_items[item], total)
+    return total
+
+
+@inlined
+def _edges_change(task: Task, places: Places, motion: Motion, node: int, total: float) -> float:
+    """Add to `total` what edges of a node change that are not listed yet."""
+    edges, move, listed = task.edges, motion.listed[MOVE], motion.listed[EDGES]
+    for item in range(edges.of_begin[node], edges.of_begin[node + 1]):
+        edge = edges.of_items[item]
+        if motion.edge_in[edge] == move:
+            continue
+        motion.edge_in[edge] = move
+        motion.edges[listed] = edge
+        listed += 1
+        if task.array.moves:
+            after = _edge_cost(task.edges, task.array, places, edge)
+        else:
+            after = _cost_beside(task.edges, task.array, places, node, item)
+        motion.edge_next[edge] = after
+        total += after - motion.edge_cost[edge]
+    motion.listed[EDGES] = listed
+    return total
+
+
+@inlined
+def _word_change(task: Task, places: Places, motion: Motion, word: int, total: float) -> float:
+    """Add to `total` what a word changes, if it is not listed yet."""
+    if motion.word_in[word] != motion.listed[MOVE]:
+        motion.word_in[word] = motion.listed[MOVE]
+        motion.words[motion.listed[WORDS]] = word
+        motion.listed[WORDS] += 1
         motion.word_next[word] = _word_cost(task, places, word)
         total += motion.word_next[word] - motion.word_cost[word]
     return total
@@ -195,12 +223,22 @@ def meeting_cost(task: Task, places: Places, motion: Motion) -> float:
 
 
 @inlined
-def keep_costs(motion: Motion) -> None:
+def _count_late(edges: Edges, motion: Motion, edge: int, by: int) -> None:
+    motion.listed[LATES] += by
+    if edges.src[edge] != edges.dst[edge]:
+        motion.late[edges.src[edge]] += by
+        motion.late[edges.dst[edge]] += by
+
+
+@inlined
+def keep_costs(task: Task, motion: Motion) -> None:
     """The move stays made."""
     for at in range(motion.listed[EDGES]):
         edge = motion.edges[at]
         before, after = motion.edge_cost[edge], motion.edge_next[edge]
-        motion.listed[LATES] += int(after >= LATE) - int(before >= LATE)
+        by = int(after >= LATE) - int(before >= LATE)
+        if by != 0:
+            _count_late(task.edges, motion, edge, by)
         motion.edge_cost[edge] = after
     for at in range(motion.listed[WORDS]):
         word = motion.words[at]
@@ -260,6 +298,61 @@ def excess_of_all(task: Task, places: Places, motion: Motion) -> int:
 
 
 @inlined
+def arriving_excess(task: Task, places: Places, motion: Motion) -> int:
+    """Claims beyond capacity where the nodes that move go, at least: in slots of their FUs."""
+    over, few = 0, motion.listed[NODES] <= _FEW
+    for at in range(motion.listed[NODES]):
+        node = motion.nodes[at]
+        if not task.nodes.kind[node] & FU:
+            continue
+        if few:
+            over += _meets_others(task, places, motion, node, at)
+        else:
+            other = places.at[motion.pe[node] * task.array.ii + motion.slot[node]]
+            over += int(other >= 0 and not moves(motion, other))
+    return over
+
+
+@inlined
+def _meets_others(task: Task, places: Places, motion: Motion, node: int, before: int) -> int:
+    """The slots of its FU, of two, in which `node` meets nodes that stay where they are, or some of
+    the `before` nodes of the list.
+    """
+    nodes, array = task.nodes, task.array
+    ii, pe, slot = array.ii, motion.pe[node], motion.slot[node]
+    done = wrapped(slot + nodes.done[node], ii)
+    issued = places.counts[pe * ii + slot]
+    ended = places.counts[(array.pes + pe) * ii + done]
+    for at in range(motion.listed[NODES]):
+        other = motion.nodes[at]
+        if not nodes.kind[other] & FU:
+            continue
+        its = places.slot[other]
+        if places.pe[other] == pe:
+            issued -= int(its == slot or nodes.busy[other] > 1)
+            ended -= int(wrapped(its + nodes.done[other], ii) == done)
+        if at < before and motion.pe[other] == pe:
+            issued += int(motion.slot[other] == slot)
+    return int(issued > 0) + int(ended > 0)
+
+
+@inlined
+def touch(task: Task, places: Places, motion: Motion) -> None:
+    """Leave behind what a move that is made and taken back does: nobody is known in slots where its
+    nodes went.
+    """
+    array = task.array
+    for at in range(motion.listed[NODES]):
+        node = motion.nodes[at]
+        if task.nodes.kind[node] & FU:
+            places.at[motion.pe[node] * array.ii + motion.slot[node]] = -1
+    for at in range(motion.listed[NODES]):
+        node = motion.nodes[at]
+        if task.nodes.kind[node] & FU:
+            places.at[places.pe[node] * array.ii + places.slot[node]] = node
+
+
+@inlined
 def hide_words(task: Task, places: Places, words: Words, motion: Motion) -> None:
     """Withdraw the listed words, and keep what they had."""
     for at in range(motion.listed[WORDS]):
@@ -312,6 +405,26 @@ def occupant(task: Task, places: Places, node: int, pe: int, time: int) -> int:
         return -1
     other = places.at[pe * task.array.ii + task.array.slots[time]]
     return -1 if other == node else int(other)
+
+
+@inlined
+def _cost_beside(edges: Edges, array: Array, places: Places, node: int, item: int) -> float:
+    """What an edge of a node costs where no moves are claimed, by what lies beside it."""
+    kind, other = edges.of_kind[item], edges.of_other[item]
+    src, dst = other, node
+    if kind & LEAVES:
+        src, dst = node, other
+    life = places.time[dst] - places.time[src] - edges.of_lag[item]
+    if not kind & ROUTED:
+        return float(LATE * max(0, -life))
+    src_pe, dst_pe = places.pe[src], places.pe[dst]
+    hops = array.hop[src_pe, dst_pe]
+    late = array.reach[src_pe, dst_pe] - life
+    if array.outputs:  # the first link is free: neighbours read the output register
+        hops = max(0, hops - 1)
+    if late > 0:
+        return float(HOP * hops + LATE * late)
+    return float(HOP * hops + TIGHT * max(0, hops - life))
 
 
 @inlined

@@ -9,6 +9,7 @@ import numpy as np
 from vividc.mapper.engines.negotiate.arrays import (
     CONTROL,
     FU,
+    LEAVES,
     MEMORY,
     RESIDENT,
     WRITTEN,
@@ -229,14 +230,13 @@ def window(task: Task, places: Places, node: int, result: Ints) -> None:
     first, last = 0, task.nodes.last[node]
     free_below, free_above = True, True
     for at in range(edges.of_begin[node], edges.of_begin[node + 1]):
-        edge = edges.of_items[at]
-        src, dst = edges.src[edge], edges.dst[edge]
-        if dst == node:
-            first = max(first, places.time[src] + edges.shift[edge])
-            free_below = False
-        else:
-            last = min(last, places.time[dst] - edges.shift[edge])
+        time, shift = places.time[edges.of_other[at]], edges.of_shift[at]
+        if edges.of_kind[at] & LEAVES:
+            last = min(last, time - shift)
             free_above = False
+        else:
+            first = max(first, time + shift)
+            free_below = False
     if free_above and not free_below:
         last = min(last, first + array.ii + 1)
     if free_below and not free_above:
