@@ -13,8 +13,9 @@ from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import EFFORT_LEVELS, EffortLevel, MapRequest, Progress
+from vividc.mapper.search import negotiation
 from vividc.mapper.search.attempt import map_decoupled
-from vividc.mapper.search.negotiation import negotiate_downward, restart_below
+from vividc.mapper.search.negotiation import climb, negotiate_downward, restart_below
 from vividc.mapper.search.state import OPEN, Attempt, IISearch
 
 TILE = arch.load("vivid-tile")
@@ -94,6 +95,28 @@ def test_loops_share_the_patience_of_normal_and_of_nothing_else() -> None:
     for effort in EFFORT_LEVELS:
         assert effort == "normal" or left(effort, 0.5) == left(effort, 1.0)
     assert left("fast", 1.0) < left("normal", 1.0) < left("thorough", 1.0) < left("prove", 1.0)
+
+
+@pytest.mark.parametrize(
+    ("far_below", "tried"), [(0, [25, 26, 28, 32]), (24, [25, 26, 28, 32]), (32, [26, 32])]
+)
+def test_what_is_far_from_a_mapping_is_left_behind_in_longer_steps(
+    monkeypatch: pytest.MonkeyPatch, far_below: int, tried: list[int]
+) -> None:
+    """From a bound of 24, where IIs below one are far and 30 is the first to map."""
+    iis: list[int] = []
+
+    def attempt(_problem: MapProblem, ii: int, *_: object) -> Attempt:
+        iis.append(ii)
+        found = Mapping(ii, {}, {}) if ii >= 30 else None
+        return Attempt(mapping=found, is_far=ii < far_below)
+
+    monkeypatch.setattr(negotiation, "map_negotiated", attempt)
+    request = MapRequest(None, Deadline.after(1000.0))
+    problem = MapProblem(random_loop(1, 4), TILE)
+    search = IISearch(problem, request, lambda *_: OPEN, 24, far=min(far_below, 25) - 1)
+    climb(search, 100)
+    assert iis == tried
 
 
 def test_prove_goes_on_to_the_deadline() -> None:

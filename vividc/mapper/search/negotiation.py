@@ -23,6 +23,8 @@ from vividc.mapper.search.tuning import (
     FIRST_PROOF_S,
     FIRST_SHARE,
     LARGE_STEP_WITH_MOVES,
+    LONGER,
+    LONGER_IF_FAR,
     PATIENCES,
     PROOF_S,
     PROVED_GRAPH,
@@ -131,17 +133,22 @@ def negotiate(
 
 
 def climb(search: IISearch, limit: int) -> None:
-    """Negotiate above the bound, each time twice as far above it, until an II maps."""
+    """Negotiate above the bound, each time twice as far above it, and farther after an II that is
+    far from a mapping, until one maps.
+    """
     fabric = search.problem.fabric
     step = STEP_WITH_MOVES if fabric.routing.moves else STEP
     step = LARGE_STEP_WITH_MOVES if _needs_large_steps(fabric) else step
     above = math.ceil(step * search.lower)
+    if search.far >= search.lower:
+        above *= LONGER_IF_FAR // LONGER
     while not search.request.deadline.passed:
         ii = min(search.lower + above, limit)
         share = 1.0 if ii == limit else FIRST_SHARE
-        if negotiate(search, ii, 1, QUICK, share).mapping is not None or ii == limit:
+        attempt = negotiate(search, ii, 1, QUICK, share)
+        if attempt.mapping is not None or ii == limit:
             return
-        above *= 2
+        above *= LONGER_IF_FAR if attempt.is_far else LONGER
 
 
 def descend(search: IISearch, effort: Effort, seed: int = 1) -> None:

@@ -107,6 +107,11 @@ STEP, STEP_WITH_MOVES, LARGE_STEP_WITH_MOVES = 1 / 24, 1 / 4, 1.0
 more). Where FUs move words the best II is farther above the bound, and tries that fail take
 longest.
 """
+LONGER, LONGER_IF_FAR = 2, 4
+"""By what a step above the bound is longer than the one before, and after an II that is far from a
+mapping: a loop of 278 operations with a bound of 18 (splat_footprints) maps at 34 after 3 tries
+instead of 5, and at 25 from there either way.
+"""
 STEPPED_ARRAY: Final = 64
 ROOMY: Final = 0.3
 """Part of the array's slots that operations take at the bound: up to it the bound is tried even
