@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vividc.mapper.engines.negotiate.arrays import LEAVES, ROUTED, Task
+from vividc.mapper.engines.negotiate.arrays import FU, LEAVES, ROUTED, Task
 from vividc.mapper.engines.negotiate.compiled import compiled, inlined
 from vividc.mapper.engines.negotiate.motion import (
     BROKEN,
@@ -26,27 +26,28 @@ from vividc.mapper.engines.negotiate.motion import (
     MOVE,
     NODES,
     Motion,
-    arriving_excess,
     begin,
     claims_cost,
     clashes,
     cost_all,
+    edges_change,
     excess_of_all,
     exchange,
     hide_words,
     keep_costs,
     meeting_cost,
     moves,
-    nodes_change,
     occupant,
     put,
     restore_words,
     show_words,
     swap,
-    touch,
     withdraw_words,
+    words_change,
+    words_cost,
+    words_may_change,
 )
-from vividc.mapper.engines.negotiate.places import Places, draw, excess, window
+from vividc.mapper.engines.negotiate.places import Places, draw, excess, window, wrapped
 from vividc.mapper.engines.negotiate.words import Words
 from vividc.mapper.resources.arrays import Floats, Ints
 
@@ -65,6 +66,10 @@ _BY_GRAPH_BELOW = 70
 """Of 100, below which number the others are near a neighbour in the graph and not near its own."""
 _DEAREST = 24.0 * math.log(2.0) + 0.001
 """What is drawn for a move costs no more, at a heat of 1."""
+_ROUNDED = 1e-6
+"""More than sums of costs may be off by."""
+_FEW = 2
+"""Nodes of a move up to which each is held against each."""
 _MOST_TURNS = 16
 """Rounds over the nodes of a push: around a recurrence some are pushed again and again."""
 
@@ -140,9 +145,15 @@ def _consider(task: Task, state: State, heat: float) -> None:
     drawn = draw(places.random, 1 << 24)
     met = meeting_cost(task, places, motion)
     swap(task, places, motion)
-    change = nodes_change(task, places, motion)
+    change, most = edges_change(task, places, motion), _DEAREST * heat + met
+    if words_may_change(task, places, motion):
+        dearest = BROKEN * places.over[0] + most + _ROUNDED
+        if not task.array.moves and change - words_cost(task, motion) > dearest:
+            swap(task, places, motion)
+            return
+        change = words_change(task, places, motion, change)
     claims = claims_cost(task, places, words, motion)
-    if change > claims + _DEAREST * heat + met:
+    if change > claims + most:
         swap(task, places, motion)
         return
     most = claims - heat * math.log((1 + drawn) / (1 << 24)) + met
@@ -175,6 +186,61 @@ def _claim(task: Task, places: Places, motion: Motion, most: float) -> None:
         keep_costs(task, motion)
     else:
         exchange(task, places, motion)
+
+
+@inlined
+def arriving_excess(task: Task, places: Places, motion: Motion) -> int:
+    """Claims beyond capacity where the nodes that move go, at least: in slots of their FUs."""
+    over, few = 0, motion.listed[NODES] <= _FEW
+    for at in range(motion.listed[NODES]):
+        node = motion.nodes[at]
+        if not task.nodes.kind[node] & FU:
+            continue
+        if few:
+            over += _meets_others(task, places, motion, node, at)
+        else:
+            other = places.at[motion.pe[node] * task.array.ii + motion.slot[node]]
+            over += int(other >= 0 and not moves(motion, other))
+    return over
+
+
+@inlined
+def _meets_others(task: Task, places: Places, motion: Motion, node: int, before: int) -> int:
+    """The slots of its FU, of two, in which `node` meets nodes that stay where they are, or some of
+    the `before` nodes of the list.
+    """
+    nodes, array = task.nodes, task.array
+    ii, pe, slot = array.ii, motion.pe[node], motion.slot[node]
+    done = wrapped(slot + nodes.done[node], ii)
+    issued = places.counts[pe * ii + slot]
+    ended = places.counts[(array.pes + pe) * ii + done]
+    for at in range(motion.listed[NODES]):
+        other = motion.nodes[at]
+        if not nodes.kind[other] & FU:
+            continue
+        its = places.slot[other]
+        if places.pe[other] == pe:
+            issued -= int(its == slot or nodes.busy[other] > 1)
+            ended -= int(wrapped(its + nodes.done[other], ii) == done)
+        if at < before and motion.pe[other] == pe:
+            issued += int(motion.slot[other] == slot)
+    return int(issued > 0) + int(ended > 0)
+
+
+@inlined
+def touch(task: Task, places: Places, motion: Motion) -> None:
+    """Leave behind what a move that is made and taken back does: nobody is known in slots where its
+    nodes went.
+    """
+    array = task.array
+    for at in range(motion.listed[NODES]):
+        node = motion.nodes[at]
+        if task.nodes.kind[node] & FU:
+            places.at[motion.pe[node] * array.ii + motion.slot[node]] = -1
+    for at in range(motion.listed[NODES]):
+        node = motion.nodes[at]
+        if task.nodes.kind[node] & FU:
+            places.at[places.pe[node] * array.ii + places.slot[node]] = node
 
 
 @inlined

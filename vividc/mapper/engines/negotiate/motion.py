@@ -15,7 +15,6 @@ from vividc.mapper.engines.negotiate.places import (
     enter,
     excess,
     keep_slot,
-    wrapped,
 )
 from vividc.mapper.engines.negotiate.words import (
     MOST_HOPS,
@@ -42,8 +41,6 @@ word with too many reads, which share most of it.
 STALL = 8.0
 """An expected cycle of an iteration in which the tile stands still, where such are counted."""
 
-_FEW = 2
-"""Nodes of a move up to which each is held against each."""
 NODES, EDGES, WORDS, LATES, MOVE = 0, 1, 2, 3, 4
 """Positions in `Motion.listed`; the last ones: edges whose ends come too early, by their costs, and
 the number of the move.
@@ -143,23 +140,51 @@ def cost_all(task: Task, places: Places, motion: Motion) -> None:
 
 
 @inlined
-def nodes_change(task: Task, places: Places, motion: Motion) -> float:
-    """By how much the move, which is made, changes what places and times alone tell: the costs of
-    edges, and of how long words wait. Lists both, the latter if they can: over links they cost what
-    they live, which depends on times only.
+def edges_change(task: Task, places: Places, motion: Motion) -> float:
+    """By how much the move, which is made, changes the costs of edges, which are listed."""
+    total = 0.0
+    for at in range(motion.listed[NODES]):
+        total = _edges_change(task, places, motion, motion.nodes[at], total)
+    return total
+
+
+@inlined
+def words_may_change(task: Task, places: Places, motion: Motion) -> bool:
+    """Whether words may cost something else after the move, which is made: over links they cost
+    what they live, which depends on times only.
     """
-    total, with_words = 0.0, bool(task.array.outputs)
+    may = bool(task.array.outputs)
     for at in range(motion.listed[NODES]):
         node = motion.nodes[at]
-        with_words = with_words or motion.time[node] != places.time[node]
-        total = _edges_change(task, places, motion, node, total)
-    if with_words:
-        edges = task.edges
-        for at in range(motion.listed[NODES]):
-            node = motion.nodes[at]
-            total = _word_change(task, places, motion, node, total)
-            for item in range(edges.fed_begin[node], edges.fed_begin[node + 1]):
-                total = _word_change(task, places, motion, edges.fed_items[item], total)
+        may = may or motion.time[node] != places.time[node]
+    return may
+
+
+@inlined
+def words_cost(task: Task, motion: Motion) -> float:
+    """What words at the nodes that move cost before the move, at least: they are cheaper by no more
+    afterwards.
+    """
+    edges, total = task.edges, 0.0
+    for at in range(motion.listed[NODES]):
+        node = motion.nodes[at]
+        total += motion.word_cost[node]
+        for item in range(edges.fed_begin[node], edges.fed_begin[node + 1]):
+            total += motion.word_cost[edges.fed_items[item]]
+    return total
+
+
+@inlined
+def words_change(task: Task, places: Places, motion: Motion, total: float) -> float:
+    """Add to `total` by how much the move, which is made, changes what words cost by places and
+    times alone; they are listed.
+    """
+    edges = task.edges
+    for at in range(motion.listed[NODES]):
+        node = motion.nodes[at]
+        total = _word_change(task, places, motion, node, total)
+        for item in range(edges.fed_begin[node], edges.fed_begin[node + 1]):
+            total = _word_change(task, places, motion, edges.fed_items[item], total)
     return total
 
 
@@ -295,61 +320,6 @@ def excess_of_all(task: Task, places: Places, motion: Motion) -> int:
     for at in range(motion.listed[NODES]):
         over += excess(task.nodes, task.array, places, motion.nodes[at])
     return over
-
-
-@inlined
-def arriving_excess(task: Task, places: Places, motion: Motion) -> int:
-    """Claims beyond capacity where the nodes that move go, at least: in slots of their FUs."""
-    over, few = 0, motion.listed[NODES] <= _FEW
-    for at in range(motion.listed[NODES]):
-        node = motion.nodes[at]
-        if not task.nodes.kind[node] & FU:
-            continue
-        if few:
-            over += _meets_others(task, places, motion, node, at)
-        else:
-            other = places.at[motion.pe[node] * task.array.ii + motion.slot[node]]
-            over += int(other >= 0 and not moves(motion, other))
-    return over
-
-
-@inlined
-def _meets_others(task: Task, places: Places, motion: Motion, node: int, before: int) -> int:
-    """The slots of its FU, of two, in which `node` meets nodes that stay where they are, or some of
-    the `before` nodes of the list.
-    """
-    nodes, array = task.nodes, task.array
-    ii, pe, slot = array.ii, motion.pe[node], motion.slot[node]
-    done = wrapped(slot + nodes.done[node], ii)
-    issued = places.counts[pe * ii + slot]
-    ended = places.counts[(array.pes + pe) * ii + done]
-    for at in range(motion.listed[NODES]):
-        other = motion.nodes[at]
-        if not nodes.kind[other] & FU:
-            continue
-        its = places.slot[other]
-        if places.pe[other] == pe:
-            issued -= int(its == slot or nodes.busy[other] > 1)
-            ended -= int(wrapped(its + nodes.done[other], ii) == done)
-        if at < before and motion.pe[other] == pe:
-            issued += int(motion.slot[other] == slot)
-    return int(issued > 0) + int(ended > 0)
-
-
-@inlined
-def touch(task: Task, places: Places, motion: Motion) -> None:
-    """Leave behind what a move that is made and taken back does: nobody is known in slots where its
-    nodes went.
-    """
-    array = task.array
-    for at in range(motion.listed[NODES]):
-        node = motion.nodes[at]
-        if task.nodes.kind[node] & FU:
-            places.at[motion.pe[node] * array.ii + motion.slot[node]] = -1
-    for at in range(motion.listed[NODES]):
-        node = motion.nodes[at]
-        if task.nodes.kind[node] & FU:
-            places.at[places.pe[node] * array.ii + places.slot[node]] = node
 
 
 @inlined
