@@ -13,6 +13,7 @@ from tests.program.test_drains import engines_agree, refused, with_row
 from tests.sim.native.agreement import agreed_run, launch
 from vividc import arch
 from vividc.arch.fabric import Fabric
+from vividc.compiler.planning.options import LoopOptions
 from vividc.errors import ArgumentError, BundleError, KernelError, VividcWarning
 from vividc.host.once import once_each
 from vividc.program import Program, from_bytes
@@ -22,6 +23,7 @@ from vividc.sim.view.recording import record
 
 TILE = arch.load_tile("vivid-tile")
 SMALL = (16, 12, 10)
+HARDLY = 75
 
 
 def tile_of(contexts: int) -> Fabric:
@@ -143,7 +145,52 @@ def test_a_long_program_has_no_overlaps() -> None:
     loop = next(n for n, row in enumerate(program.table) if row.counts_alone and row.next)
     row = program.table[loop]
     early = with_row(program, loop, replace(row, drain=1))
-    refused(early, "does not hold all of the program")
+    refused(early, "may have to be brought first")
+
+
+@vividc.kernel("void(int32[:, ::1], int32[:, ::1])")
+def differences(a, b):
+    """A version for arrays of one shape, and one for others."""
+    a[1:, :] -= b[1:, :] - b[:-1, :]
+    a[:-1, :] += b[1:, :] * 3
+
+
+@once_each
+def of_versions(_: type) -> tuple[Program, Program]:
+    """Compiled for memories that hold all of it, and hardly more than the first version."""
+    loops = LoopOptions(restructure=False)
+    whole, hardly = (
+        vividc.compile(differences, tile_of(contexts), effort="fast", loops=loops, cache=False)
+        for contexts in (512, HARDLY)
+    )
+    return whole, hardly
+
+
+def matrices(columns: int) -> list[np.ndarray]:
+    """The second one has so many columns, where the first one has six."""
+    return [np.arange(5 * n, dtype=np.int32).reshape(5, n) * 7 - 30 for n in (6, columns)]
+
+
+def test_what_is_hardly_ever_run_is_not_held_and_costs_nothing() -> None:
+    whole, program = of_versions(Program)
+    assert len(program.words) > HARDLY
+    assert not program.warnings
+    run = agreed_run(program, launch(program, *matrices(6)))
+    assert run.reload_cycles == 0
+    assert run.cycles <= 1.1 * agreed_run(whole, launch(whole, *matrices(6))).cycles
+    assert any(row.drain or row.fill for row in program.table)
+
+
+@pytest.mark.parametrize("columns", [1, 6])
+def test_what_is_hardly_ever_run_is_brought(columns: int) -> None:
+    _, program = of_versions(Program)
+    given, wanted = matrices(columns), matrices(columns)
+    differences(*wanted)
+    run = agreed_run(program, launch(program, *matrices(columns)))
+    assert (run.reload_cycles > 0) is (columns == 1)
+    vividc.simulate(program, *given)
+    for mine, numba in zip(given, wanted, strict=True):
+        np.testing.assert_array_equal(mine, numba)
 
 
 def test_memories_that_a_program_cannot_be_for() -> None:

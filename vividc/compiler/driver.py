@@ -49,7 +49,6 @@ from vividc.mapper.request import Mapper
 from vividc.program import CUT_SHORT, Program
 from vividc.program.encoder.encode import with_designs
 from vividc.program.encoder.programmable import demand_programmable
-from vividc.program.reloads import reloads_of
 from vividc.ssa.analysis.frequency import NO_TRIPS
 from vividc.ssa.formats.in_format import in_format
 from vividc.ssa.formats.precision import (
@@ -347,12 +346,14 @@ def compile_stages(
     loops = loop_reports(plan, settled)
     made = settled.outcome
     program = with_designs(made.program, made.kernel, made.results)
-    return replace(program, warnings=(*notes, *_long(program)), loops=loops)
+    return replace(program, warnings=(*notes, *_long(program, made)), loops=loops)
 
 
-def _long(program: Program) -> Iterator[str]:
-    """What is told of a program that the configuration memory does not hold."""
-    if reloads_of(program) is not None:
+def _long(program: Program, made: Outcome) -> Iterator[str]:
+    """What is told of a program that the configuration memory does not hold, unless what it does
+    not hold is hardly ever run.
+    """
+    if made.achieved.contexts > program.fabric.controller.contexts:
         held = program.fabric.controller.contexts
         yield (
             f"{program.name} takes {len(program.words)} contexts, and fabric "
@@ -362,7 +363,8 @@ def _long(program: Program) -> Iterator[str]:
 
 def estimator_for(fabric: Fabric, options: CompileOptions) -> Estimator:
     """What estimates functions that are compiled so; contraction comes before."""
-    return Estimator(fabric, PassOptions(False, options.reassociate, options.precision))
+    passes = PassOptions(False, options.reassociate, options.precision)
+    return Estimator(fabric, passes, resident=options.resident)
 
 
 def planned(

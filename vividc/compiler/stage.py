@@ -15,6 +15,8 @@ from vividc.compiler.planning.spacing import spaced
 from vividc.compiler.regions.earlier import Earlier
 from vividc.compiler.regions.map_again import Runs
 from vividc.compiler.regions.map_regions import MapOptions, Unmapped, map_kernel
+from vividc.compiler.regions.map_straight import lengths_of
+from vividc.compiler.regions.turns import turns_of
 from vividc.dfg.regions import Kernel
 from vividc.errors import TimeLimit
 from vividc.host import watch
@@ -22,6 +24,7 @@ from vividc.host.watch import is_watched, watched
 from vividc.mapper.result import MapResult, mapping_of
 from vividc.program import Program, encode
 from vividc.program.encoder.encode import check_contexts
+from vividc.program.encoder.places import Layout
 from vividc.program.reloads import most_contexts
 from vividc.ssa.formats.precision import Precision
 from vividc.ssa.ir import Function
@@ -70,7 +73,8 @@ def map_stage(
     """
     sequential: dict[str, str] = {}
     held = estimator.fabric.controller.contexts
-    most = held if options.resident or not last_resort else most_contexts(estimator.fabric)
+    most = held if options.resident else most_contexts(estimator.fabric)
+    most_held = most if last_resort else held
     demanded = frozenset[str]() if last_resort else frozenset(stage.state.made)
     while True:
         function = stage.state.function
@@ -78,8 +82,10 @@ def map_stage(
             function = replace(function, sequential=frozenset(sequential))
         function = _prepared(function, stage, estimator)
         function = spaced(function, estimator, stage.state.hints)
-        kernel = _kernel_of(function, estimator, most)
-        runs = Runs.of(estimator.expected(function, kernel, stage.state.hints))
+        kernel = _kernel_of(function, stage, estimator, most_held)
+        costs = estimator.expected(function, kernel, stage.state.hints)
+        turns = None if options.resident else turns_of(function, costs, stage.state.hints)
+        runs = Runs.of(costs, turns)
         race = Race(estimator, function, stage.state.hints, math.inf if is_watched() else below)
         mapping = partial(
             map_kernel,
@@ -104,8 +110,11 @@ def map_stage(
     mapped, results = made
     used = sum(mapping_of(result).ii for result in results.values())
     check_contexts(mapped, estimator.fabric, used, most)
-    program = _encoded(mapped, results, runs, estimator.fabric, options)
-    achieved = estimator.priced(function, mapped, _shapes(program), stage.state.hints)
+    layout = None if turns is None else turns.layout(lengths_of(made), estimator.fabric)
+    program = _encoded(mapped, results, runs, estimator.fabric, options, layout)
+    brought = None if layout is None else layout.cycles
+    hints, shapes = stage.state.hints, _shapes(program)
+    achieved = estimator.priced(function, mapped, shapes, hints, brought=brought)
     return Outcome(stage, mapped, results, program, achieved, sequential)
 
 
@@ -115,6 +124,7 @@ def _encoded(
     runs: Runs,
     fabric: Fabric,
     options: CompileOptions,
+    layout: Layout | None,
 ) -> Program:
     encoding = partial(
         encode,
@@ -124,6 +134,7 @@ def _encoded(
         reports=results,
         options=_provenance(options),
         iterations=runs.iterations,
+        order=() if layout is None else layout.order,
     )
     return watched("encode", encoding)
 
@@ -154,10 +165,11 @@ def _prepared(function: Function, stage: Stage, estimator: Estimator) -> Functio
     return watched("prepare", prepare)
 
 
-def _kernel_of(function: Function, estimator: Estimator, most: int) -> Kernel:
+def _kernel_of(function: Function, stage: Stage, estimator: Estimator, most: int) -> Kernel:
     """The function's regions with optimised graphs; too many contexts are refused first."""
     built = watched("build-kernel", lambda: estimator.built(function))
-    check_contexts(built, estimator.fabric, estimator.contexts(built), most, "at least ")
+    used = estimator.contexts(function, built, stage.state.hints)
+    check_contexts(built, estimator.fabric, used, most, "at least ")
     return watched("optimize", lambda: estimator.optimized_kernel(built))
 
 

@@ -12,8 +12,8 @@ from vividc.arch.fabric import Fabric
 from vividc.host.once import once_within
 from vividc.program.program import Program
 
-LONG: Final = "the configuration memory does not hold all of the program"
-"""Why no region of it begins while another ends: its contexts may have to be brought first."""
+_BROUGHT: Final = "the contexts of one of them may have to be brought first"
+"""Why no region begins while another ends."""
 _MEMORIES: Final = 16
 """That the contexts of a program would fill, at most."""
 
@@ -54,6 +54,10 @@ class Reloads:
     held: int
     rows: tuple[Reload, ...]
 
+    def stays(self, region: int) -> bool:
+        """Whether a region's contexts are there all the time."""
+        return bool(self.held >> region & 1) and not self.rows[region].evicted
+
     def entered(self, region: int, held: int) -> tuple[int, int]:
         """Cycles in which a region's contexts are brought, none if they are held, and which regions
         are held then.
@@ -82,3 +86,9 @@ def reloads_of(program: Program) -> Reloads | None:
         rows.append(Reload(pes * row.ii, evicted & ~(1 << index)))
         held |= (row.context + row.ii <= places) << index
     return Reloads(held, tuple(rows))
+
+
+def overlap_fault(program: Program, *regions: int) -> str | None:
+    """Why regions cannot be under way at the same time, by where their contexts lie."""
+    reloads = reloads_of(program)
+    return None if reloads is None or all(map(reloads.stays, regions)) else _BROUGHT

@@ -63,8 +63,10 @@ def tile(contexts: int) -> Fabric:
     return replace(fabric, controller=replace(fabric.controller, contexts=contexts))
 
 
-def taken(fabric: Fabric, kernel: KernelFunction = many) -> float:
-    return estimator_for(fabric, CompileOptions()).estimate(kernel.lower(), {}).contexts
+def taken(
+    fabric: Fabric, kernel: KernelFunction = many, options: CompileOptions | None = None
+) -> float:
+    return estimator_for(fabric, options or CompileOptions()).estimate(kernel.lower(), {}).contexts
 
 
 def test_a_kernel_beyond_the_contexts_has_its_nests_flattened() -> None:
@@ -85,8 +87,9 @@ def test_a_kernel_beyond_the_contexts_has_its_nests_flattened() -> None:
 
 
 def test_before_the_first_stage_that_may_fit_are_some_that_take_fewer_contexts() -> None:
-    fabric = tile(int(taken(arch.load("vivid-tile"), more)) - 20)
-    estimator = estimator_for(fabric, CompileOptions())
+    held = CompileOptions(resident=True)  # what hardly ever runs counts, too
+    fabric = tile(int(taken(arch.load("vivid-tile"), more, held)) - 20)
+    estimator = estimator_for(fabric, held)
     function = tidy(more.lower())
     written = Stage(State(function, {}), estimator.estimate(function, {}))
     least, *_, first = fitted(Draft(estimator, LoopOptions(), [written], frozenset()), written)
@@ -111,6 +114,12 @@ def test_a_kernel_that_fits_is_left_to_what_pays() -> None:
     assert all(
         one.after is None or one.after < one.before for one in plan.decisions if not one.reason
     )
+
+
+def test_what_hardly_ever_runs_counts_where_the_memory_holds_all() -> None:
+    """A tile of an accelerator; one by itself brings the loops for broadcasting if it needs them."""
+    whole = arch.load("vivid-tile")
+    assert taken(whole, more) < taken(whole, more, CompileOptions(resident=True))
 
 
 def test_no_form_is_looked_for_of_a_kernel_far_beyond_the_contexts() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Final, Literal
@@ -25,8 +25,7 @@ from vividc.mapper.mapping import Bound
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.resources.banks import Traffic
 from vividc.mapper.resources.dependences import dependences, earliest_starts
-from vividc.ssa.analysis.frequency import expected_trips, frequencies
-from vividc.ssa.flow import find_loops, preheader_of
+from vividc.ssa.analysis.frequency import entries_of, expected_trips, frequencies, rare_blocks
 from vividc.ssa.formats.pack_lanes import pack_lanes
 from vividc.ssa.ir import Function
 from vividc.ssa.rewrite.normalize import normalize
@@ -78,7 +77,8 @@ class Shape:
 class RegionCost:
     """A region's share: `runs` times entered, with `trips` iterations each time. It ends `early`
     before its span is over, a loop at most `earliest`: the region behind it has begun, and nothing
-    passes between the two.
+    passes between the two. `is_rare`: its contexts are brought in the rare case of a run that needs
+    them.
     """
 
     header: str
@@ -89,6 +89,7 @@ class RegionCost:
     loc: SourceLoc | None = None
     early: float = 0.0
     earliest: float = 0.0
+    is_rare: bool = False
 
     @property
     def cycles(self) -> float:
@@ -128,8 +129,8 @@ class Estimate:
 
     @property
     def contexts(self) -> int:
-        """The fewest contexts that the regions take."""
-        return sum(cost.shape.ii for cost in self.regions)
+        """The fewest contexts that the regions take, but for rare ones."""
+        return sum(cost.shape.ii for cost in self.regions if not cost.is_rare)
 
     @property
     def entries(self) -> int:
@@ -194,6 +195,8 @@ class Estimator:
     """Of which matrices rows may lie further apart than they are long: where it pays, or of all,
     wherever that is possible.
     """
+    resident: bool = False
+    """The configuration memory holds rare regions, too."""
     _prepared: dict[int, tuple[Function, Function]] = field(default_factory=dict)
     _built: dict[int, tuple[Function, Kernel]] = field(default_factory=dict)
     """Both by the identity of the function, which is kept so that nothing else gets it."""
@@ -223,10 +226,10 @@ class Estimator:
             infinite.
         """
         function = self.prepared(function, hints)
-        beyond = self._beyond(function, room) if room is not None else []
+        beyond = self._beyond(function, hints, room) if room is not None else []
         if beyond:
             shapes = [self.shape(region) for region in beyond]
-            return Estimate(math.inf, _costs(function, beyond, shapes, hints))
+            return Estimate(math.inf, self._costs(function, beyond, shapes, hints))
         return self._estimate(function, hints)
 
     def prepared(self, function: Function, hints: Mapping[str, float]) -> Function:
@@ -259,17 +262,46 @@ class Estimator:
         hints: Mapping[str, float],
         *,
         most: bool = False,
+        brought: float | None = None,
     ) -> Estimate:
         """The cycles of a normalised function's regions if they have these shapes; `most`: if each
-        begins as early under the end of the one before as it may.
+        begins as early under the end of the one before as it may; `brought`: in which contexts are
+        brought, where they may be of more regions than rare ones.
         """
-        costs = _costs(function, kernel.regions, shapes, hints)
+        costs = self._costs(function, kernel.regions, shapes, hints)
         costs = self._with_fills(self._with_drains(costs, kernel, most), kernel, most)
         switches = sum(cost.runs for cost in costs) * self.fabric.controller.switch_cycles
-        total = sum(cost.cycles for cost in costs) + switches
+        total = sum(cost.cycles for cost in costs) + switches + (brought or 0.0)
         estimate = Estimate(total, costs)
-        is_too_long = estimate.contexts > self.fabric.controller.contexts
+        is_too_long = brought is None and estimate.contexts > self.fabric.controller.contexts
         return replace(estimate, cycles=math.inf) if is_too_long else estimate
+
+    def _costs(
+        self,
+        function: Function,
+        regions: Sequence[Region],
+        shapes: Iterable[Shape],
+        hints: Mapping[str, float],
+    ) -> tuple[RegionCost, ...]:
+        trips = expected_trips(function, hints)
+        runs = frequencies(function, trips, hints)
+        entries, rare = entries_of(function, runs), self._rare(function, hints)
+
+        def times(region: Region) -> tuple[float, float]:
+            header, is_loop = region.header, region.kind == "loop"
+            return (entries[header], trips[header]) if is_loop else (runs[header], 1.0)
+
+        return tuple(
+            RegionCost(r.header, r.kind, shape, *times(r), r.loc, is_rare=r.header in rare)
+            for r, shape in zip(regions, shapes, strict=True)
+        )
+
+    def _rare(self, function: Function, hints: Mapping[str, float]) -> Set[str]:
+        """Blocks whose contexts are brought in the rare case that they are needed."""
+        if self.resident:
+            return frozenset()
+        trips = expected_trips(function, hints)
+        return rare_blocks(function, frequencies(function, trips, hints))
 
     def _with_drains(
         self, costs: tuple[RegionCost, ...], kernel: Kernel, most: bool
@@ -325,11 +357,13 @@ class Estimator:
         shapes = [Shape(1, 1, 0)] * len(kernel.regions)
         return self.priced(function, kernel, shapes, hints).regions
 
-    def contexts(self, kernel: Kernel) -> int:
-        """The fewest contexts that the kernel's regions take; a loop that cannot be mapped as one
-        counts nothing.
+    def contexts(self, function: Function, kernel: Kernel, hints: Mapping[str, float]) -> int:
+        """The fewest contexts that a normalised function's regions take, but for rare ones; a loop
+        that cannot be mapped as one counts nothing.
         """
-        return sum(ii for r in kernel.regions if (ii := self.shape(r).ii) < _NEVER)
+        rare = self._rare(function, hints)
+        every = (self.shape(region).ii for region in kernel.regions if region.header not in rare)
+        return sum(ii for ii in every if ii < _NEVER)
 
     def shape(self, region: Region) -> Shape:
         """The region's shape by its bounds."""
@@ -382,17 +416,17 @@ class Estimator:
             done = step(done)
         return Optimized(dfg, done, True)
 
-    def _beyond(self, function: Function, room: Room) -> list[Region]:
+    def _beyond(self, function: Function, hints: Mapping[str, float], room: Room) -> list[Region]:
         """As many regions of a prepared function as show that it is beyond the room; none if it is
         not.
         """
         found: list[Region] = []
-        contexts = 0
+        contexts, rare = 0, self._rare(function, hints)
         pes, reassociated = len(self.fabric.pes), self.options.reassociate
         for region in self._cut(function).loops_first():
             shape = self.shape(region)
             found.append(region)
-            contexts += shape.ii
+            contexts += shape.ii if region.header not in rare else 0
             if region.kind == "loop":
                 is_beyond = shape.operations > room.operations and not _is_roomy(
                     shape, pes, reassociated
@@ -429,28 +463,6 @@ class Estimator:
         if known is None or not known.is_own or check(known.done):
             return optimize(dfg, self.options)  # one that is alike has other source lines
         return replace(known.done, name=dfg.name)
-
-
-def _costs(
-    function: Function,
-    regions: Sequence[Region],
-    shapes: Iterable[Shape],
-    hints: Mapping[str, float],
-) -> tuple[RegionCost, ...]:
-    trips = expected_trips(function, hints)
-    runs = frequencies(function, trips, hints)
-    entries = _entries(function, runs)
-    return tuple(
-        RegionCost(r.header, r.kind, shape, entries[r.header], trips[r.header], r.loc)
-        if r.kind == "loop"
-        else RegionCost(r.header, r.kind, shape, runs[r.header], 1.0, r.loc)
-        for r, shape in zip(regions, shapes, strict=True)
-    )
-
-
-def _entries(function: Function, runs: Mapping[str, float]) -> dict[str, float]:
-    """How often each loop is entered, by header."""
-    return {loop.header: runs[preheader_of(function, loop)] for loop in find_loops(function)}
 
 
 def _loop_shape(problem: MapProblem) -> Shape:

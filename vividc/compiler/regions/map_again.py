@@ -42,6 +42,7 @@ from vividc.mapper.resources.plain_core import named_anew, unrotated
 from vividc.mapper.result import mapping_of
 from vividc.program.encoder.banks import TRIES, choose_layout
 from vividc.program.encoder.checks import span_of
+from vividc.program.encoder.places import Turns
 
 _Item = TypeVar("_Item")
 
@@ -131,15 +132,19 @@ loops whose accesses can start in any cycle.
 
 @dataclass(frozen=True, slots=True)
 class Runs:
-    """How often each region is expected to be entered, and how many iterations that makes."""
+    """How often each region is expected to be entered, and how many iterations that makes; `turns`:
+    how they come by turns, where contexts may be brought while the program runs.
+    """
 
     entries: Sequence[float]
     iterations: Sequence[float]
+    turns: Turns | None = None
 
     @staticmethod
-    def of(costs: Sequence[RegionCost]) -> Runs:
+    def of(costs: Sequence[RegionCost], turns: Turns | None = None) -> Runs:
         """Those of an estimate."""
-        return Runs([cost.runs for cost in costs], [cost.runs * cost.trips for cost in costs])
+        iterations = [cost.runs * cost.trips for cost in costs]
+        return Runs([cost.runs for cost in costs], iterations, turns)
 
 
 def with_fewer_cycles(

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Set
 from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Final, Literal
 
 from vividc.arch.fabric import Fabric
 from vividc.compiler.regions.delivery import deliver
@@ -24,6 +24,7 @@ from vividc.mapper.mapping import Mapping
 from vividc.mapper.resources.banks import NOTHING, Traffic, Words
 from vividc.mapper.result import mapping_of
 from vividc.program.encoder.checks import span_of
+from vividc.program.encoder.places import Turns
 
 IsLost = Callable[[ReadOnly[int, tuple[int, int]]], bool]
 """Whether a kernel is of no use whose regions have at least these IIs and spans, by index."""
@@ -35,6 +36,8 @@ does, or that in the last attempt.
 
 _FILL_PAYS = 0.005
 """Of the cycles of all loops: what a loop that begins earlier must save to be worth a search."""
+
+NO_REGIONS: Final[frozenset[int]] = frozenset()
 
 Mapped = tuple[Kernel, dict[int, MapResult]]
 """A kernel whose regions hold their deliveries, and the result of each region by index."""
@@ -59,7 +62,8 @@ class Straight:
 
         A region that can begins while the loop before it ends, and lets the one behind it begin
         while it ends, which takes a few contexts more: if there are not as many, loops begin no
-        earlier, nor does any region if there still are not.
+        earlier, nor does any region if there still are not. Where rare regions alone are too many,
+        or nothing helps, those regions overlap that stay in the configuration memory.
 
         Raises
         ------
@@ -67,16 +71,31 @@ class Straight:
             There is no room for a straight region, which is crowded then, and hopeless in the last
             attempt.
         """
-        before, made = loops_before(kernel.regions), None
-        for loops, fills in ((before, True), (before, False), ({}, False)):
+        every, turns = frozenset(range(len(kernel.regions))), self._turns()
+        before, most = loops_before(kernel.regions), self.fabric.controller.contexts
+        first, made = None, None
+        for loops, fills in ((before, every), (before, NO_REGIONS), ({}, NO_REGIONS)):
             made = self._all(kernel, results, thrift, loops, fills)
             if made is None:
                 return None
-            used = sum(mapping_of(result).ii for result in made[1].values())
-            is_early = any(region.drain or region.fill for region in made[0].regions)
-            if not is_early or used <= self.fabric.controller.contexts:
+            lengths = lengths_of(made)
+            if not _is_early(made[0]) or sum(lengths) <= most:
                 break
-        return made
+            first = first or made
+            if turns is not None and turns.held(lengths) <= most:
+                break
+        if turns is None or first is None or sum(lengths) <= most:
+            return made
+        stays = turns.layout(lengths_of(first), self.fabric).stays
+        loops = {after: loop for after, loop in before.items() if {after, loop} <= stays}
+        fills = frozenset(i for i in stays if loop_behind(kernel.regions, i) in stays)
+        apart = self._all(kernel, results, thrift, loops, fills)
+        if apart is None or _stay(apart[0], turns.layout(lengths_of(apart), self.fabric).stays):
+            return apart
+        return self._all(kernel, results, thrift, {}, NO_REGIONS)
+
+    def _turns(self) -> Turns | None:
+        return None if self.runs is None else self.runs.turns
 
     def _all(
         self,
@@ -84,10 +103,10 @@ class Straight:
         results: ReadOnly[int, MapResult],
         thrift: Thrift,
         before: ReadOnly[int, int],
-        fills: bool,
+        fills: Set[int],
     ) -> Mapped | None:
-        """`before`: by straight region, a loop while which ends it may begin; `fills`: loops may
-        begin while regions end.
+        """`before`: by straight region, a loop while which ends it may begin; `fills`: regions
+        while which end loops may begin.
         """
         fabric, entries = self.fabric, None if self.runs is None else self.runs.entries
         loops = {index: mapping_of(result) for index, result in results.items()}
@@ -122,11 +141,11 @@ class Straight:
         index: int,
         loops: ReadOnly[int, Mapping],
         before: ReadOnly[int, int],
-        fills: bool,
+        fills: Set[int],
     ) -> Neighbours:
         """The loops next to a straight region that may be under way meanwhile."""
         drained = before.get(index)
-        filled = loop_behind(kernel.regions, index) if fills else None
+        filled = loop_behind(kernel.regions, index) if index in fills else None
 
         def mapped(loop: int | None) -> tuple[Region, Mapping] | None:
             return None if loop is None else (kernel.regions[loop], loops[loop])
@@ -187,6 +206,27 @@ class _Place:
                 return ready.dfg, found, beside
         text = f"the constant stores have no entries left for what {region.name} reads and writes"
         raise MappingFailed(text, loc=region.loc)
+
+
+def lengths_of(made: Mapped) -> list[int]:
+    """Contexts of each region; one that places nothing takes one."""
+    kernel, results = made
+    found = (results.get(index) for index in range(len(kernel.regions)))
+    return [1 if result is None else mapping_of(result).ii for result in found]
+
+
+def _is_early(kernel: Kernel) -> bool:
+    return any(region.drain or region.fill for region in kernel.regions)
+
+
+def _stay(kernel: Kernel, stays: Set[int]) -> bool:
+    """Whether regions that overlap are among those."""
+    for index, region in enumerate(kernel.regions):
+        behind = loop_behind(kernel.regions, index) if region.fill else None
+        others = {behind} if region.fill else {region.next} if region.drain else set()
+        if others and not {index, *others} <= stays:
+            return False
+    return True
 
 
 def spans_of(

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from importlib.metadata import PackageNotFoundError, version
+from itertools import accumulate
 from pathlib import Path
 
 import numpy as np
@@ -52,6 +53,7 @@ def encode(
     options: ReadOnly[str, str | int | float | bool | None] | None = None,
     warnings: Sequence[str] = (),
     iterations: Sequence[float] = (),
+    order: Sequence[int] = (),
 ) -> Program:
     """Configuration words and tables of a mapped kernel.
 
@@ -67,6 +69,8 @@ def encode(
         Messages the compiler gave.
     iterations
         How many of each region a run is expected to have; where they are many, banks count.
+    order
+        Of the regions in the configuration memory, where it is not their own (`encoder.places`).
 
     Raises
     ------
@@ -79,7 +83,7 @@ def encode(
     mappings = {i: _mapping(i, region, mappings) for i, region in enumerate(kernel.regions)}
     for index, region in enumerate(kernel.regions):
         check_region(region, mappings[index], fabric)
-    table = _table(kernel, fabric, mappings)
+    table = _table(kernel, fabric, mappings, order or range(len(kernel.regions)))
     check_contexts(kernel, fabric, sum(row.ii for row in table), most_contexts(fabric))
     _check_locals(kernel, fabric)
     rows = _reports(kernel, fabric, table, mappings, reports or {})
@@ -179,16 +183,17 @@ def _mapping(index: int, region: Region, mappings: ReadOnly[int, Mapping]) -> Ma
 
 
 def _table(
-    kernel: Kernel, fabric: Fabric, mappings: ReadOnly[int, Mapping]
+    kernel: Kernel, fabric: Fabric, mappings: ReadOnly[int, Mapping], order: Sequence[int]
 ) -> tuple[RegionRow, ...]:
+    lengths = [mappings[index].ii for index in order]
+    begins = dict(zip(order, accumulate(lengths, initial=0), strict=False))
     rows = []
-    context = 0
     for index, region in enumerate(kernel.regions):
         mapping = mappings[index]
         rows.append(
             RegionRow(
                 kind=region.kind,
-                context=context,
+                context=begins[index],
                 ii=mapping.ii,
                 span=span_of(region, mapping, fabric),
                 stages=stages_of(region, mapping),
@@ -200,7 +205,6 @@ def _table(
                 fill=region.fill,
             )
         )
-        context += mapping.ii
     for index, row in enumerate(rows):
         if row.drain and row.next is not None:
             times = [place.time for place in mappings[index].places.values()]

@@ -10,7 +10,7 @@ from vividc.program.dataflow import RegionFlow
 from vividc.program.overlaps.sides import Side
 from vividc.program.overlaps.words import Contexts, part_of, times_of_moves
 from vividc.program.program import Program
-from vividc.program.reloads import LONG, reloads_of
+from vividc.program.reloads import overlap_fault
 from vividc.program.tables import RegionRow
 from vividc.program.words.entry import Entry
 
@@ -18,16 +18,17 @@ from vividc.program.words.entry import Entry
 def drain_fault(program: Program, loop: int) -> str | None:
     """Why a loop cannot end so early, by the region table alone."""
     row, switch = program.table[loop], program.fabric.controller.switch_cycles
-    behind = None if row.next is None else program.table[row.next]
+    after = row.next
+    behind = None if after is None else program.table[after]
     if not row.counts_alone:
         return "it is no loop that counts alone"
-    if behind is None or behind.kind != "straight" or behind.ii < row.drain:
+    if after is None or behind is None or behind.kind != "straight" or behind.ii < row.drain:
         return "no straight region is behind it that takes as long"
     if row.drain < 0 or row.span - row.drain < max(row.ii, switch):
         return "its last iteration has not run for so long"
     if not program.fabric.is_plain:
         return f"the fabric {program.fabric.name} does not support it"
-    return None if reloads_of(program) is None else LONG
+    return overlap_fault(program, loop, after)
 
 
 def rest_of(row: RegionRow, contexts: Contexts, flow: RegionFlow) -> Side:

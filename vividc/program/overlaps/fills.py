@@ -12,7 +12,7 @@ from vividc.program.dataflow import RegionFlow
 from vividc.program.overlaps.sides import Side
 from vividc.program.overlaps.words import Contexts, demand, part_of, times_of_moves
 from vividc.program.program import Program
-from vividc.program.reloads import LONG, reloads_of
+from vividc.program.reloads import overlap_fault
 from vividc.program.tables import RegionRow
 from vividc.program.words.entry import Entry, Use
 
@@ -30,7 +30,7 @@ def fill_fault(program: Program, region: int) -> str | None:
         return f"it has {row.stages} stages"
     if not program.fabric.is_plain:
         return f"the fabric {program.fabric.name} does not support it"
-    return None if reloads_of(program) is None else LONG
+    return overlap_fault(program, region, loop)
 
 
 def ahead_of(row: RegionRow, loop: RegionRow, contexts: Contexts, flow: RegionFlow) -> Side:

@@ -85,11 +85,13 @@ class Recording:
         if self.program.table[last.region].drain and last.iterations:
             return last.end
         switched = last.end + self.program.fabric.controller.switch_cycles
-        if reloads_of(self.program) is not None:  # it begins when its contexts are there
-            seen = self.cycles[self.cycles >= switched]
-            return int(seen[0]) if seen.size else self.end
         goes_on = (self.cycles >= last.end) & (self.cycles < switched)
-        return last.end if self.program.table[last.region].fill and goes_on.any() else switched
+        if self.program.table[last.region].fill and goes_on.any():
+            return last.end
+        if reloads_of(self.program) is None:
+            return switched
+        seen = self.cycles[self.cycles >= switched]  # it begins when its contexts are there
+        return int(seen[0]) if seen.size else self.end
 
 
 def record(

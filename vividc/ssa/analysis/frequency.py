@@ -12,7 +12,7 @@ from vividc.machine.opcodes import Opcode
 from vividc.machine.params import TRAP
 from vividc.ssa.analysis.constant_trips import constant_trips
 from vividc.ssa.analysis.counters import counter_of
-from vividc.ssa.flow import Loop, find_loops
+from vividc.ssa.flow import Loop, find_loops, preheader_of
 from vividc.ssa.ir import Block, Const, Function, Input, Instr, Ref, Value, is_dimension
 
 UNKNOWN_TRIPS = 16.0
@@ -33,6 +33,11 @@ where two sizes are compared and the other loops were made three times as fast (
 
 _RAISED: Final = 1e-6
 """How often a branch leads to an exception, however often it runs: whoever computes expects none.
+"""
+
+RARE: Final = 0.01
+"""Of the runs of a function, those that come to what is rare: sizes that do not agree (`EQUAL`),
+exceptions.
 """
 
 _COMPUTED: Final = frozenset({Opcode.ADD, Opcode.SUB, Opcode.MUL, Opcode.SMAX, Opcode.SMIN})
@@ -144,6 +149,21 @@ def runs_of(shares: Mapping[str, Mapping[str, float]]) -> dict[str, float]:
     for name, ends, sources in reversed(taken):
         runs[name] = sum(runs[one] * chance for one, chance in sources) / ends
     return runs
+
+
+def entries_of(function: Function, runs: Mapping[str, float]) -> dict[str, float]:
+    """How often each loop is entered, by header."""
+    return {loop.header: runs[preheader_of(function, loop)] for loop in find_loops(function)}
+
+
+def rare_blocks(function: Function, runs: Mapping[str, float]) -> frozenset[str]:
+    """Blocks that hardly any run of the function comes to, by how often they run; all of a nest, if
+    hardly any comes to it.
+    """
+    entries, nests = entries_of(function, runs), dict(runs)
+    for loop in find_loops(function):  # the outermost comes last
+        nests |= dict.fromkeys(loop.blocks, entries[loop.header])
+    return frozenset(name for name, share in nests.items() if min(share, runs[name]) < RARE)
 
 
 def _edges(
