@@ -14,7 +14,12 @@ import vividc
 from tests.fuzz.witnesses import run_regions
 from vividc.compiler.driver import lower
 from vividc.errors import VividcError
+from vividc.ssa.analysis.levels import with_own_latches
+from vividc.ssa.flow import find_loops
 from vividc.ssa.interpret import interpret
+from vividc.ssa.polyhedral.scop import find_scop
+from vividc.ssa.rewrite.refusal import Refusal
+from vividc.ssa.rewrite.tidy import tidy
 
 SIDE = 5
 
@@ -81,6 +86,23 @@ def test_the_largest_pivot_of_a_column_is_taken() -> None:
 def test_what_has_none_raises(function: Callable[..., object]) -> None:
     with pytest.raises(VividcError, match="LinAlgError: Matrix is"):
         interpreted(function, "float32", *np.zeros((2, SIDE, SIDE), np.float32))
+
+
+@pytest.mark.parametrize("last", [0.0, -1.0, np.nan])
+def test_a_matrix_that_turns_out_not_to_be_definite_has_no_factor(last: float) -> None:
+    a = np.diag([2.0, 1.0, last, 1.0, 1.0]).astype(np.float32)
+    with pytest.raises(VividcError, match="LinAlgError: Matrix is not positive definite"):
+        interpreted(factor, "float32", a, np.zeros_like(a))
+
+
+def test_a_factors_nest_has_one_exit_and_no_branches() -> None:
+    kernel = vividc.kernel("(float32[:, ::1], float32[:, ::1])")(factor)
+    function = tidy(kernel.lower())
+    loops = find_loops(function)
+    nested = [one for one in loops if sum(other.header in one.blocks for other in loops) == 4]
+    assert len(nested) == 1
+    header = nested[0].header
+    assert not isinstance(find_scop(with_own_latches(function, header), header), Refusal)
 
 
 def test_axes_are_permuted() -> None:

@@ -117,7 +117,7 @@ def test_a_kernel_that_fits_is_left_to_what_pays() -> None:
 
 
 def test_what_hardly_ever_runs_counts_where_the_memory_holds_all() -> None:
-    """A tile of an accelerator; one by itself brings the loops for broadcasting if it needs them."""
+    """A tile of an accelerator; one by itself brings loops for broadcasting when it needs them."""
     whole = arch.load("vivid-tile")
     assert taken(whole, more) < taken(whole, more, CompileOptions(resident=True))
 

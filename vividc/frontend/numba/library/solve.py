@@ -47,9 +47,11 @@ def _cholesky(a: Any) -> Any:
         square = a[i, i]
         for k in range(i):
             square -= out[i, k] * out[i, k]
-        if not square > 0:
+        root = np.sqrt(square)
+        out[i, i] = root if root > 0 else -1  # what is divided by is not 0
+    for i in range(a.shape[0]):  # behind the nest, which has one exit so
+        if not out[i, i] > 0:
             raise np.linalg.LinAlgError(_INDEFINITE)
-        out[i, i] = np.sqrt(square)
     return out
 
 
