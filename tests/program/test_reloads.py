@@ -17,6 +17,7 @@ from vividc.compiler.planning.options import LoopOptions
 from vividc.errors import ArgumentError, BundleError, KernelError, VividcWarning
 from vividc.host.once import once_each
 from vividc.program import Program, from_bytes
+from vividc.program.encoder.places import Turns
 from vividc.sim import ReferenceEngine
 from vividc.sim.engine import RegionSpan
 from vividc.sim.view.recording import record
@@ -191,6 +192,16 @@ def test_what_is_hardly_ever_run_is_brought(columns: int) -> None:
     vividc.simulate(program, *given)
     for mine, numba in zip(given, wanted, strict=True):
         np.testing.assert_array_equal(mine, numba)
+
+
+def test_what_hardly_ever_runs_shares_its_places_with_what_runs_once() -> None:
+    """Six contexts of 28 are too many: two regions are at the end, one other at the beginning."""
+    turns = Turns([1, 9, 0.005, 0.005, 1], [1, 1, 0.005, 0.005, 1], [()] * 5, frozenset({2, 3}))
+    made = turns.layout([6, 6, 5, 5, 6], tile_of(22))
+    assert made.order == (4, 0, 1, 2, 3)
+    assert made.stays == {0, 1}
+    assert made.cycles == pytest.approx(16 * (6 * 0.01 + 2 * 5 * 0.005))
+    assert turns.layout([4] * 5, tile_of(22)).order == (0, 1, 2, 3, 4)
 
 
 def test_memories_that_a_program_cannot_be_for() -> None:
