@@ -94,7 +94,8 @@ class Images:
             raise ArgumentError(
                 f"{program.name} has {len(program.words)} contexts, and a tile of {name} holds "
                 f"{most}",
-                hint="simulate it on one tile, which brings contexts: leave the fabric out",
+                hint=f"compile it with fabric={name!r}, or simulate it on one tile, which brings "
+                "contexts: leave the fabric out",
             )
 
 
