@@ -23,6 +23,7 @@ from vividc.mapper.search.tuning import (
     FIRST_PROOF_S,
     FIRST_SHARE,
     LARGE_STEP_WITH_MOVES,
+    LONG,
     LONGER,
     LONGER_IF_FAR,
     PATIENCES,
@@ -133,22 +134,23 @@ def negotiate(
 
 
 def climb(search: IISearch, limit: int) -> None:
-    """Negotiate above the bound, each time twice as far above it, and farther after an II that is
-    far from a mapping, until one maps.
+    """Negotiate above the bound, each time twice as far above it, and farther after a long II that
+    is far from a mapping, until one maps.
     """
     fabric = search.problem.fabric
     step = STEP_WITH_MOVES if fabric.routing.moves else STEP
     step = LARGE_STEP_WITH_MOVES if _needs_large_steps(fabric) else step
     above = math.ceil(step * search.lower)
+    if_far = LONGER_IF_FAR if search.lower >= LONG else LONGER
     if search.far >= search.lower:
-        above *= LONGER_IF_FAR // LONGER
+        above *= if_far // LONGER
     while not search.request.deadline.passed:
         ii = min(search.lower + above, limit)
         share = 1.0 if ii == limit else FIRST_SHARE
         attempt = negotiate(search, ii, 1, QUICK, share)
         if attempt.mapping is not None or ii == limit:
             return
-        above *= LONGER_IF_FAR if attempt.is_far else LONGER
+        above *= if_far if attempt.is_far else LONGER
 
 
 def descend(search: IISearch, effort: Effort, seed: int = 1) -> None:

@@ -107,10 +107,11 @@ STEP, STEP_WITH_MOVES, LARGE_STEP_WITH_MOVES = 1 / 24, 1 / 4, 1.0
 more). Where FUs move words the best II is farther above the bound, and tries that fail take
 longest.
 """
-LONGER, LONGER_IF_FAR = 2, 4
+LONGER, LONGER_IF_FAR, LONG = 2, 4, 12
 """By what a step above the bound is longer than the one before, and after an II that is far from a
-mapping: a loop of 278 operations with a bound of 18 (splat_footprints) maps at 34 after 3 tries
-instead of 5, and at 25 from there either way.
+mapping, of bounds that are long: a loop of 278 operations with a bound of 18 (splat_footprints)
+maps at 34 after 3 tries instead of 5, and at 25 from there either way. Short ones are not found
+again from so far above: softmax of NPBench takes 1.12 times its cycles, mandelbrot1 1.07 times.
 """
 STEPPED_ARRAY: Final = 64
 ROOMY: Final = 0.3
