@@ -141,3 +141,15 @@ with ahead(lambda n: n) as copy:
 end.set()
 """
     assert printed(script, tmp_path) == "None\n"
+
+
+def test_where_no_process_can_be_made_the_caller_does_all(tmp_path: Path) -> None:
+    script = """
+def refuse():
+    raise BlockingIOError
+os.fork = refuse
+with ahead(lambda n: n) as copy:
+    copy.begin({1: 1})
+    print(copy.result(1))
+"""
+    assert printed(script, tmp_path) == "None\n"

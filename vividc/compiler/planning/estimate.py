@@ -285,7 +285,8 @@ class Estimator:
     ) -> tuple[RegionCost, ...]:
         trips = expected_trips(function, hints)
         runs = frequencies(function, trips, hints)
-        entries, rare = entries_of(function, runs), self._rare(function, hints)
+        entries = entries_of(function, runs)
+        rare: Set[str] = frozenset() if self.resident else rare_blocks(function, runs)
 
         def times(region: Region) -> tuple[float, float]:
             header, is_loop = region.header, region.kind == "loop"

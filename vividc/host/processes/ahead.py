@@ -67,7 +67,11 @@ class Ahead(Generic[_Job, _Done]):
         if not new or not self._is_able or len(self._numbers) + len(new) > _MOST_JOBS:
             return
         if self._copy is None:
-            self._copy = _Copy(self._do)
+            try:
+                self._copy = _Copy(self._do)
+            except OSError:  # there may be no more processes or files
+                self._is_able = False
+                return
         numbers = range(len(self._numbers), len(self._numbers) + len(new))
         self._numbers.update(zip(new, numbers, strict=True))
         sent = list(zip(numbers, new.values(), strict=True))
@@ -163,7 +167,12 @@ class _Copy:
         self.pipe, theirs = Pipe()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # no thread holds what it needs
-            self._process = os.fork()
+            try:
+                self._process = os.fork()
+            except OSError:
+                theirs.close()
+                self._close()
+                raise
         if not self._process:
             self._serve(theirs, do)
         theirs.close()
@@ -203,6 +212,9 @@ class _Copy:
             os.kill(self._process, signal.SIGKILL)
         with suppress(OSError):
             os.waitpid(self._process, 0)
+        self._close()
+
+    def _close(self) -> None:
         self.pipe.close()
         self.marks.close()
         os.close(self.results)
