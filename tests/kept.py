@@ -31,7 +31,7 @@ from numba.core import types
 import vividc.frontend.lower
 from tests.made_of import made_of
 from vividc.frontend import KernelFunction
-from vividc.frontend.numba.raises import model_of
+from vividc.frontend.numba.raises.convention import model_of
 from vividc.frontend.numba.target import NumbaModule, numba_module
 
 _PACKAGE = Path(vividc.__file__).parent

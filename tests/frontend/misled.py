@@ -29,24 +29,6 @@ def cube(v):
 FUNCTIONS = (square, cube)
 
 
-@mistake(r"`np\.argsort` cannot run", "insert")
-def argsort(x, n):
-    order = np.argsort(x)  # here
-    x[0] = order[n]
-
-
-@mistake(r"`x\.argsort` cannot run", "insert")
-def argsort_as_a_method(x, n):
-    order = x.argsort()  # here
-    x[0] = order[n]
-
-
-@mistake(r"`np\.unique` cannot run", "np.sort")
-def unique(x, n):
-    found = np.unique(x)  # here
-    x[0] = found[n]
-
-
 @mistake(r"`np\.moveaxis` cannot run", "exchanged")
 def moveaxis(x, n):
     y = x.reshape((2, 4))

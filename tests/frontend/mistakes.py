@@ -24,12 +24,6 @@ def factorial(n):
     return 1 if n < 2 else n * factorial(n - 1)
 
 
-@numba.njit
-def helper_with_list(n):
-    values = [n, n + 1]  # here: helper_list
-    return values[0]
-
-
 @mistake("a dict", "array")
 def dict_display(x, n):
     d = {1: 2}  # here
@@ -48,27 +42,6 @@ def set_display(x, n):
     s = {1, 2}  # here
     if n in s:
         x[0] = 1
-
-
-@mistake("a list", "np.zeros")
-def list_display(x, n):
-    values = [1.0, x[2]]  # here
-    values[0] = x[1]
-    x[0] = values[n]
-
-
-@mistake("a list comprehension", "np.zeros")
-def list_comprehension(x, n):
-    values = [i * 2 for i in range(n)]  # here
-    x[0] = values[0]
-
-
-@mistake("a list", "np.zeros")
-def list_appended(x, n):
-    values = []  # here
-    for i in range(n):
-        values.append(i)
-    x[0] = len(values)
 
 
 @mistake("a generator expression", "loop")
@@ -144,11 +117,6 @@ def recurses_in_helper(x, n):
     x[0] = factorial(n)  # here: any
 
 
-@mistake("a list", "np.zeros")
-def list_in_helper(x, n):
-    x[0] = helper_with_list(n)  # see: helper_list
-
-
 @mistake("`plain` is a plain Python function", "numba.njit")
 def plain_function(x, n):
     x[0] = plain(n)  # here
@@ -178,12 +146,6 @@ def unknown_attribute(x, n):
 def reversed_range(x, n):
     for i in reversed(range(n)):  # here
         x[i] = 1
-
-
-@mistake("`sorted`", "write a sort")
-def sorts(x, n):
-    for v in sorted(x):  # here
-        x[n] = v
 
 
 @mistake("size is not known at launch", "shapes and scalar parameters")
@@ -270,18 +232,6 @@ def inverse(x, n):
 def sum_along_no_axis(x, n):
     m = np.zeros((4, 4), np.float32)
     x[:4] = m.sum(axis=2)  # here: any
-
-
-@mistake("can raise ValueError: range", "if step < 1")
-def step_of_zero(x, n):
-    for i in range(0, 8, n):  # here
-        x[i] = 0
-
-
-@mistake("whose errors name a number", "loops")
-def running_sum_along_an_axis(x, n):
-    m = np.zeros((4, 4), np.float32)
-    x[0] = np.cumsum(m, axis=1)[3, 3]  # here: any
 
 
 @mistake("lang.fp8 of an array of float32", "one number")

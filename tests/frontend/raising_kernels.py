@@ -43,3 +43,36 @@ def worded(x, n):
     if n == 5:
         raise ValueError('zero-size or incompatible "axis" of 100 % \\ é\n')
     return x[0]
+
+
+def numbered(x, n):
+    if n != 0:
+        raise ValueError(f"n is {n}, {n > 2} of {len(x)}")
+    return n
+
+
+def asserted(x, n):
+    assert n == 0, f"{n}"
+    return n
+
+
+def added(x, n):
+    text = "element 2 is " + str(x[2]) + ", 100% wrong"
+    if n != 0:
+        raise RuntimeError(text)
+    return n
+
+
+def two_arguments(x, n):
+    if n != 0:
+        raise IndexError("bad", n)
+    return n
+
+
+def a_number(x, n):
+    if n != 0:
+        raise KeyError(n * 2)
+    return n
+
+
+SAYING = (numbered, asserted, added, two_arguments, a_number)

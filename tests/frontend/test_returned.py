@@ -41,6 +41,14 @@ def parts(x, n):
     return np.arange(n), (n, x[1:]), Point(np.float32(n), n > 3), count[::-1], None
 
 
+def flags(x, n):
+    return n > 3, x[1] > 0
+
+
+def flags_in_tuples(x, n):
+    return ((n > 3, x[1] > 0), (x[2] > 9, True)), Point(n > 2, x[0]), n
+
+
 def maybe(x, n):
     if n > 3:
         return None
@@ -98,7 +106,19 @@ def either_way(x, n):
 
 
 KERNELS = (
-    *(twice, table, parts, maybe, one_of_three, some, same_twice, doubles, the_parameter),
+    *(
+        twice,
+        table,
+        parts,
+        flags,
+        flags_in_tuples,
+        maybe,
+        one_of_three,
+        some,
+        same_twice,
+        doubles,
+        the_parameter,
+    ),
     *(transposed, either_way),
 )
 

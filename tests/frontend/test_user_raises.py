@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 import vividc
-from tests.frontend.raising_kernels import checked, helper, roots, through_a_helper, worded
+from tests.frontend.raising_kernels import SAYING, checked, helper, roots, through_a_helper, worded
 from tests.fuzz.witnesses import run_regions, words_in_blocks
 from vividc.dfg.cut.build import build_kernel
 from vividc.errors import KernelRaised, SimulationError, SourceLoc, raised
 from vividc.program import from_bytes
 from vividc.ssa.interpret import interpret
+from vividc.ssa.results import NONE, PLACE, Raise, Results
 from vividc.ssa.rewrite.normalize import normalize
 from vividc.ssa.text import parse, to_text
 
@@ -100,3 +101,71 @@ def test_a_users_text_may_be_as_numbas_own(n: int) -> None:
 @pytest.mark.parametrize("kind", ["UnicodeDecodeError", "ExceptionGroup", "KeyError", "Own", "a b"])
 def test_every_type_can_be_raised(kind: str) -> None:
     assert f"{kind}: text" in str(raised(kind, "text", None))
+
+
+@pytest.mark.parametrize("function", SAYING)
+@pytest.mark.parametrize("n", [-(2**40), -1, 3, 2**33 + 5])
+def test_texts_say_the_numbers_of_the_run(function: Callable[..., object], n: int) -> None:
+    kernel = vividc.kernel("(float32[::1], int64)")(function)
+    lowered = kernel.lower()
+    assert parse(to_text(lowered)) == lowered
+    program = from_bytes(words_in_blocks(lowered).to_bytes())
+    x = np.array([0.5, -1, 2, 3], np.float32)
+    expected: object = None
+    try:
+        kernel(x, n)
+    except Exception as error:
+        expected = error
+    assert expected is not None
+    said = str(expected).replace("<object type:float32>", "2.0")
+    for run in (vividc.simulate, lambda _, *given: interpret(lowered, *given)):
+        with pytest.raises(type(expected)) as caught:
+            run(program, x, n)
+        assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "numbers"), [("a", ("int",)), (f"a{PLACE}", ()), (f"a{PLACE}", ("str",))]
+)
+def test_a_text_that_does_not_fit_its_numbers_is_not_sound(
+    text: str, numbers: tuple[str, ...]
+) -> None:
+    assert Raise("ValueError", "a").is_sound
+    assert not Raise("ValueError", text, numbers=numbers).is_sound
+    raises = (Raise("ValueError", text, numbers=numbers),)
+    assert not Results((), (NONE,), error="e", made=("e",), raises=raises).is_sound
+    assert Raise("ValueError", f"{PLACE}!", numbers=("int",)).said([]) == ""
+
+
+def stepping(x, n):
+    total = np.float32(0)
+    for i in range(0, len(x), n):
+        total += x[i]
+    return total + x[::n].sum()
+
+
+def test_a_step_of_zero_is_raised_and_any_other_runs() -> None:
+    kernel = vividc.kernel("(float32[::1], int32)")(stepping)
+    program = words_in_blocks(kernel.lower())
+    x = np.arange(7, dtype=np.float32)
+    for n in (1, 2, 3, 10, -1, -2):
+        assert vividc.simulate(program, x, n).value == kernel(x, np.int32(n))
+    with pytest.raises(ValueError, match=r"range\(\) arg 3 must not be zero"):
+        vividc.simulate(program, x, 0)
+
+
+def picking(x, n):
+    return (x[0], x[1], np.float32(4))[n]
+
+
+def test_an_index_outside_of_a_tuple_is_an_error() -> None:
+    kernel = vividc.kernel("(float32[::1], int32)")(picking)
+    program = words_in_blocks(kernel.lower())
+    x = np.arange(7, dtype=np.float32)
+    for n in (0, 2, -1, -3):
+        assert vividc.simulate(program, x, n).value == kernel(x, np.int32(n))
+    for n in (3, -4):
+        with pytest.raises(IndexError):
+            kernel(x, np.int32(n))
+        with pytest.raises(SimulationError, match="IndexError: tuple index out of range"):
+            vividc.simulate(program, x, n)

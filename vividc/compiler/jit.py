@@ -20,7 +20,7 @@ from vividc.errors import ArgumentError, KernelError, SourceLoc, demand_type, qu
 from vividc.frontend import KernelFunction
 from vividc.frontend.arguments import Form, form_of, function_of_rest, left_of
 from vividc.frontend.kernel import kernel
-from vividc.frontend.numba.vectorized import as_function
+from vividc.frontend.numba.vectorized.functions import as_function
 from vividc.gemm.kernels.simulate import simulate
 from vividc.launch import JobResult
 from vividc.program import Program
@@ -222,7 +222,7 @@ def jit(
     ----------
     py_func
         A Python function, or one that numba has compiled, with its options as of `vividc.kernel`,
-        or that `numba.vectorize` has made.
+        or that `numba.vectorize`, `guvectorize` or `stencil` has made.
     fabric
         A fabric or an accelerator, a preset's name, or a YAML file.
     error_model
@@ -245,7 +245,7 @@ def jit(
 
     def decorate(function: Callable[..., Any]) -> JitFunction:
         if not inspect.isfunction(as_function(function)):
-            hint = "decorate a Python function, or one of numba.njit, vectorize or stencil"
+            hint = "decorate a Python function, or one that numba.njit, vectorize or the like made"
             raise KernelError(f"a kernel cannot be made of {quoted(function)}", hint=hint)
         return JitFunction(function, fabric, options, error_model)
 

@@ -14,7 +14,8 @@ from typing import Any
 
 import numba
 
-from vividc.frontend.numba.vectorized import as_function, free_name, function_like
+from vividc.frontend.numba.vectorized.functions import as_function
+from vividc.frontend.numba.vectorized.written import free_name, function_like
 
 
 @dataclass(frozen=True, slots=True)

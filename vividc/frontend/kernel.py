@@ -21,10 +21,10 @@ from vividc.errors import KernelError, SourceLoc, quoted
 from vividc.formats import F16
 from vividc.frontend.like import Like, with_sizes
 from vividc.frontend.lower import lower
-from vividc.frontend.numba.prange import calls_prange, prange_lines
-from vividc.frontend.numba.raises import ERROR_MODELS, NUMPY, of_model
+from vividc.frontend.numba.raises.convention import ERROR_MODELS, NUMPY, of_model
+from vividc.frontend.numba.ranges import calls_prange, prange_lines
 from vividc.frontend.numba.target import Callee
-from vividc.frontend.numba.vectorized import as_function
+from vividc.frontend.numba.vectorized.functions import as_function
 from vividc.host.inputs import demand_utf8_path
 from vividc.lang.numba_types import TYPES, for_numba, in_arrays
 from vividc.lang.numba_words import plain

@@ -59,6 +59,9 @@ FILLING: Final = "vividc.program/7"
 """Of a program with loops that begin while regions end: a reader of before would run neither."""
 RELOADING: Final = "vividc.program/8"
 """Of a program longer than the configuration memory: a reader of before would run none of it."""
+SAYING: Final = "vividc.program/9"
+"""Of a program that returns lists, or that raises: the texts of exceptions may say numbers."""
+_SCHEMAS: Final = (SCHEMA, SIZED, NESTED, RETURNING, DRAINING, FILLING, RELOADING, SAYING)
 _MANIFEST: Final = "program.json"
 _ARRAYS: Final = ("words", "images", "images_set")
 _EPOCH: Final = (1980, 1, 1, 0, 0, 0)
@@ -164,9 +167,9 @@ class BundleReader:
         text = self._member(_MANIFEST)
         demand_few_values(text, BUNDLE_BYTES, self.path, BundleError)
         schema = _schema(text)
-        if schema not in (SCHEMA, SIZED, NESTED, RETURNING, DRAINING, FILLING, RELOADING):
+        if schema not in _SCHEMAS:
             raise BundleError(
-                f"schema {quoted(schema)}, and this version reads {SCHEMA!r} to {RELOADING!r}",
+                f"schema {quoted(schema)}, and this version reads {SCHEMA!r} to {SAYING!r}",
                 hint="compile the kernel again with this version",
             )
         return _ADAPTER.validate_json(text, strict=True)

@@ -24,6 +24,7 @@ from vividc.program.bundle import (
     NESTED,
     RELOADING,
     RETURNING,
+    SAYING,
     SCHEMA,
     SIZED,
     Manifest,
@@ -42,7 +43,7 @@ from vividc.program.tables import (
 from vividc.program.words.decode import decode
 from vividc.program.words.entry import Entry
 from vividc.program.words.layout import OPCODE_NUMBERS
-from vividc.ssa.results import Results
+from vividc.ssa.results import LIST, Results
 
 CUT_SHORT: Final = (
     "was cut short by the clock; on an idle machine, or with a longer --time-limit, the program "
@@ -251,17 +252,17 @@ def _manifest(program: Program) -> Manifest:
 
 def _schema(program: Program) -> str:
     """The oldest whose readers understand all of it."""
-    if len(program.words) > program.fabric.controller.contexts:
-        return RELOADING
-    if any(row.fill for row in program.table):
-        return FILLING
-    if any(row.drain for row in program.table):
-        return DRAINING
-    if program.results is not None:
-        return RETURNING
-    if program.nests:
-        return NESTED
-    return SIZED if any(param.known for param in program.params) else SCHEMA
+    results = program.results
+    needed = {
+        SAYING: results is not None and bool(results.raises or LIST in results.form),
+        RELOADING: len(program.words) > program.fabric.controller.contexts,
+        FILLING: any(row.fill for row in program.table),
+        DRAINING: any(row.drain for row in program.table),
+        RETURNING: results is not None,
+        NESTED: bool(program.nests),
+        SIZED: any(param.known for param in program.params),
+    }
+    return next((schema for schema, is_needed in needed.items() if is_needed), SCHEMA)
 
 
 def _arrays(program: Program) -> dict[str, NDArray[np.generic]]:

@@ -27,7 +27,13 @@ from vividc.machine.words import WORD_MASK
 
 Array = NDArray[Any]
 _OUTSIDE: Final = "the kernel returned an array that lies outside its memory"
-TUPLE, NONE, OPTIONAL = "tuple", "none", "optional"
+TUPLE, NONE, OPTIONAL, LIST = "tuple", "none", "optional", "list"
+PLACE: Final = "\0"
+"""Stands for a number in the text of an exception."""
+_WORD: Final = 32
+_SCALAR, _ARRAY = "scalar", "array"
+_FIRST: Final = {OPTIONAL: _SCALAR, LIST: _ARRAY}
+"""What the first value must be that a part of a form takes."""
 DTYPES: Final = frozenset(
     {"bool", "float16", "float32", "float64", "complex64", "complex128"}
     | {f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)}
@@ -75,12 +81,53 @@ class Leaf:
 
 @dataclass(frozen=True, slots=True)
 class Raise:
-    """An exception that a kernel may raise: the name of its type, its text, and where."""
+    """An exception that a kernel may raise.
+
+    Attributes
+    ----------
+    kind
+        The name of its type.
+    text
+        What it says, with `PLACE` for each number that only the run decides.
+    numbers
+        What these are: "int", "uint", "bool" or "float". Each takes two words behind that of the
+        exception, the low one first, a float the first of them.
+    """
 
     kind: str
     text: str
     file: str = ""
     line: int = 0
+    numbers: tuple[str, ...] = ()
+
+    @property
+    def is_sound(self) -> bool:
+        """Whether the text has a place for each number, and they are such as there are."""
+        return self.text.count(PLACE) == len(self.numbers) and set(self.numbers) <= _SAID.keys()
+
+    def said(self, words: Sequence[int]) -> str:
+        """The text with the numbers that these words are."""
+        first, *rest = self.text.split(PLACE)
+        pairs = zip(words[::2], words[1::2], strict=False)
+        said = (
+            f"{_SAID[kind](low & WORD_MASK, high & WORD_MASK)}{piece}"
+            for kind, (low, high), piece in zip(self.numbers, pairs, rest, strict=False)
+        )
+        return "".join((first, *said))
+
+
+def _said_int(low: int, high: int) -> int:
+    whole = low | high << _WORD
+    return whole - ((whole >> 2 * _WORD - 1) << 2 * _WORD)
+
+
+_SAID: Final[dict[str, Callable[[int, int], object]]] = {
+    "int": _said_int,
+    "uint": lambda low, high: low | high << _WORD,
+    "bool": lambda low, _: bool(low),
+    "float": lambda low, _: np.uint32(low).view(np.float32),
+}
+"""Numbers by what they are, of two words."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +141,7 @@ class Results:
     form
         How they are put together, in postfix form: the number of a leaf; "none"; "tuple 2", or with
         the names of a named tuple "tuple 2 Point x y"; "optional": of a flag and a value the value,
-        if the flag is set, else None.
+        if the flag is set, else None; "list": of an array the list of its elements.
     words
         The array of words that the run decides, "" if there are none. Word k is the input
         "s:" + `words` + ".k" of the leaves' formulas.
@@ -141,26 +188,28 @@ class Results:
         if code:
             one = self.raises[code - 1] if 0 < code <= len(self.raises) else Raise("Exception", "")
             loc = SourceLoc(one.file, one.line) if one.file else None
-            raise raised(one.kind, one.text, loc)
+            raise raised(one.kind, one.said(arrays[self.error].tolist()[1:]), loc)
 
     @property
     def is_sound(self) -> bool:
-        """Whether the form is one of its leaves, with scalars for flags."""
-        flags: list[bool] = []
+        """Whether the form is one of its leaves, with scalars for flags, and so are the texts."""
+        if not all(one.is_sound for one in self.raises):
+            return False
+        kinds: list[str] = []
         for item in self.form:
             if isinstance(item, int):
                 if not 0 <= item < len(self.leaves):
                     return False
-                flags.append(self.leaves[item].is_scalar)
+                kinds.append(_SCALAR if self.leaves[item].is_scalar else _ARRAY)
                 continue
             needed = _needed(item)
-            if needed is None or len(flags) < needed:
+            if needed is None or len(kinds) < needed:
                 return False
-            start = len(flags) - needed
-            if item == OPTIONAL and not flags[start]:
+            start = len(kinds) - needed
+            if item in _FIRST and kinds[start] != _FIRST[item]:
                 return False
-            flags[start:] = [False]
-        return len(flags) == 1
+            kinds[start:] = [""]
+        return len(kinds) == 1
 
     def to_text(self) -> str:
         """JSON."""
@@ -188,7 +237,9 @@ class Results:
             )
             for leaf in raw["leaves"]
         )
-        raises = tuple(Raise(**one) for one in raw["raises"])
+        raises = tuple(
+            Raise(**{**one, "numbers": tuple(one.get("numbers", ()))}) for one in raw["raises"]
+        )
         form, made = tuple(raw["form"]), tuple(raw["made"])
         return Results(tuple(leaves), form, raw["words"], made, raw["error"], raises)
 
@@ -236,8 +287,8 @@ def named_leaves(value: object, name: str = "return") -> Iterator[tuple[str, Arr
 
 def _needed(item: str) -> int | None:
     """How many values a part of a form takes; None: it is none."""
-    if item in (NONE, OPTIONAL):
-        return 2 if item == OPTIONAL else 0
+    if item in (NONE, OPTIONAL, LIST):
+        return {NONE: 0, LIST: 1, OPTIONAL: 2}[item]
     kind, *rest = item.split(" ")
     if kind != TUPLE or not rest or not (rest[0].isascii() and rest[0].isdigit()):
         return None
@@ -265,11 +316,17 @@ def _assembled(form: tuple[int | str, ...], made: Sequence[Made]) -> object:
         elif item == OPTIONAL:
             value, flag = stack.pop(), stack.pop()
             stack.append(partial(_optional, flag, value))
+        elif item == LIST:
+            stack.append(partial(_list, stack.pop()))
         else:
             _, count, *names = item.split(" ")
             start = len(stack) - int(count)
             stack[start:] = [partial(_tuple, stack[start:], names)]
     return stack.pop()()
+
+
+def _list(array: Made) -> object:
+    return np.asarray(array()).tolist()
 
 
 def _optional(flag: Made, value: Made) -> object:

@@ -6,17 +6,9 @@ _FLAG = "the array has no exceptions: return or store a flag instead"
 
 
 _RAISES = (
-    ("range()", "test the step before the loop: if step < 1: return"),
-    ("slice step", "test the step before the slice: if step < 1: return"),
-    ("zero-size", "start from the first element and write the loop: best = x[0]"),
-    ("empty sequence", "start from the first element and write the loop: best = x[0]"),
-    ("cannot assign slice", "write the loop over the elements"),
-    ("total size of new array", "index with i * columns + j instead"),
     ("axis", "name an axis that the array has"),
     ("division", "test the divisor before"),
     ("truth value", "ask for one element, x[0] > 0, or for some, (x > 0).any()"),
-    ("None", "give the variable a number on every way"),
-    ("tuple index", "index by constants, or choose by if and elif"),
     ("item()", "take an element: x[0]"),
 )
 
@@ -36,6 +28,22 @@ ALLOCATE = "vividc.allocate "
 
 COPY = "a temporary copy"
 """Stands for the element type of an allocation in bytes, whose accesses tell the type."""
+
+
+AS_NEEDED = -1
+"""Stands for the number of elements of an array that calls of `FITS` tell."""
+
+
+FITS = "vividc.fits "
+"""Callees that tell whether an array made `AS_NEEDED` holds so many elements."""
+
+
+MOST_NEEDED = 1024
+"""Elements of a list whose length nothing known at launch bounds."""
+
+
+OVERFLOW = f"a list of more than {MOST_NEEDED} elements, where nothing bounds its length"
+"""What is raised where a list does not fit."""
 
 
 TABLE = "vividc.table "

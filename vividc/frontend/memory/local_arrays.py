@@ -21,12 +21,13 @@ from vividc.frontend.memory.by_array import is_allocation
 from vividc.frontend.memory.pick import expand_picks
 from vividc.frontend.memory.places import placed
 from vividc.frontend.memory.tables import PACKED_BYTES, Table, packed_words_of, tables_of, words_of
+from vividc.frontend.ranges.capacities import with_capacities
 from vividc.frontend.ranges.launch_sizes import LaunchSizes
 from vividc.lang.numba_words import plain
 from vividc.machine.params import Formula, LocalArray, base_of
 from vividc.ssa.edit import FreshIds, map_values, read_values
 from vividc.ssa.flow import flow_of
-from vividc.ssa.ir import Float, Function, Global, Input, Instr, Int, Named, Ref, Value
+from vividc.ssa.ir import Float, Function, Global, Input, Instr, Int, Key, Named, Ref, Value
 from vividc.ssa.rewrite.dead import remove_unused
 
 _ELEMENTS = {"float32": "float", "int32": "i32", "uint32": "i32", "bool": "i8"}
@@ -104,27 +105,30 @@ def own_arrays(function: Function, text: str, *, packed: bool = False) -> WithAr
         code would choose from; a constant that does not fit a word.
     """
     function, tables = expand_picks(function, tables_of(text))
-    function, allocated = _hold_allocations(function)
+    function, needed = with_capacities(function)
+    function, allocated = _hold_allocations(function, needed)
     function, constant = _hold_tables(function, tables, packed=packed)
     arrays = {held.array.name: held for held in (*allocated, *constant)}
     params = tuple((f"&{name}", "ptr") for name in arrays)
     return WithArrays(replace(function, inputs=(*function.inputs, *params)), arrays)
 
 
-def _hold_allocations(function: Function) -> tuple[Function, list[OwnArray]]:
-    made = _allocations(function)
+def _hold_allocations(
+    function: Function, needed: dict[Key, Formula]
+) -> tuple[Function, list[OwnArray]]:
+    made = _allocations(function, needed)
     found = placed(function, {id_: held.array for id_, held in made.items()})
     return found.function, [replace(made[id_], array=array) for array, id_ in found.places]
 
 
-def _allocations(function: Function) -> dict[int, OwnArray]:
-    """What each allocation of the kernel makes."""
+def _allocations(function: Function, needed: dict[Key, Formula]) -> dict[int, OwnArray]:
+    """What each allocation of the kernel makes; `needed`: elements of those made as needed."""
     made: dict[int, OwnArray] = {}
     sizes: LaunchSizes | None = None
     for block in function.blocks:
         for op in filter(is_allocation, block.instrs):
-            formula: Formula | None = None
-            if not isinstance(op.operands[0], Int):
+            formula = needed.get(op.id)
+            if formula is None and not isinstance(op.operands[0], Int):
                 sizes = sizes or LaunchSizes(function)
                 formula = sizes.bound(op.operands[0], block.name)
             held = _allocated(function, op, formula, len(made))
@@ -147,7 +151,7 @@ def _allocated(function: Function, op: Instr, formula: Formula | None, number: i
     words = (2 if element in _SPACED else 1) * (2 if dtype.startswith("complex") else 1)
     line = "" if op.loc is None else f".line{op.loc.line}"
     name = f"local{number}{line}"
-    if isinstance(count, Int):
+    if isinstance(count, Int) and formula is None:
         size = max(count.value, 0) // (_BYTES[element] if dtype == COPY else 1)
         return OwnArray(LocalArray(name, size * words), element)
     if formula is None:

@@ -267,6 +267,9 @@ def _refused(op: Instr) -> KernelError:
     if _RUNTIME.match(callee):
         hint = "print and objects are for the host: a kernel stores its results into arrays"
         return KernelError("the kernel calls the Python runtime", loc=op.loc, hint=hint)
+    if callee.startswith("llvm.stacksave"):
+        reason = "something that numba keeps in memory of a size which only the run knows"
+        return KernelError(reason, loc=op.loc, hint="write the loop over the elements")
     hint = _INSTEAD.get(callee, "supported: abs, min, max, pow and the functions of docs/math.md")
     reason = f"a call of `{_stem(callee)}`, which the array cannot run"
     return KernelError(reason, loc=op.loc, hint=hint)

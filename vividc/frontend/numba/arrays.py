@@ -25,6 +25,7 @@ from numba.np import arraymath, arrayobj, npyimpl
 from vividc.frontend.llvm.calls import ALLOCATE, COPY, OVERLAP, PICK, TABLE
 from vividc.frontend.numba.expressions.loops import ufunc_loops
 from vividc.frontend.numba.lines import first_line
+from vividc.frontend.numba.raises.convention import trap
 from vividc.lang.formats import MISUSE
 
 _I64 = ir.IntType(64)
@@ -376,6 +377,8 @@ def pick(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> Any:
     from_end = builder.add(index, _I32(count))
     negative = builder.icmp_signed("<", index, _I32(0))
     index = builder.select(negative, from_end, index)
+    with cgutils.if_unlikely(builder, builder.icmp_unsigned(">=", index, _I32(count))):
+        trap(builder, IndexError, "tuple index out of range")
     items = [builder.extract_value(tuple_, position) for position in range(count)]
     return _pick_leaves(builder, index, items)
 

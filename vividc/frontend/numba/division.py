@@ -11,7 +11,7 @@ from typing import Any, Final
 from llvmlite import ir
 from numba.core import cgutils, types
 
-from vividc.frontend.numba.raises import check_divisor
+from vividc.frontend.numba.raises.convention import check_divisor
 
 Parts = Callable[[Any, ir.IRBuilder, Any, Any], Any]
 

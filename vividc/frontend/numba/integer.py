@@ -20,7 +20,7 @@ from numba.core import cgutils, types
 from numba.extending import register_jitable
 
 from vividc.frontend.llvm.calls import FLOOR_PREFIX
-from vividc.frontend.numba.raises import check_divisor
+from vividc.frontend.numba.raises.convention import check_divisor
 
 _POWERS = (pow, operator.pow, operator.ipow)
 _DIVISIONS: dict[Any, tuple[str, ...]] = {

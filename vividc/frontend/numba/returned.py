@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from numba.core import callconv, types
@@ -18,7 +18,7 @@ from numba.core.registry import cpu_target
 from vividc.formats import F16
 from vividc.frontend.llvm.calls import RETURNED, RETURNED_ARRAY
 from vividc.lang.numba_types import TYPES
-from vividc.ssa.results import NONE, OPTIONAL, TUPLE
+from vividc.ssa.results import LIST, NONE, OPTIONAL, TUPLE
 
 _LLVM: Final = {
     types.float32: "float",
@@ -43,6 +43,7 @@ _IS_NONE: Final = -2
 class _Leaf:
     """A scalar (`ndim` None) or an array, and the members that lead to it; () and `is_status`: the
     flag that there is a value. `llvm`: the type of the scalar, or of its real and imaginary part.
+    `item_bytes`: of the elements of a list, whose length and place a structure holds (`lists`).
     """
 
     dtype: str
@@ -50,6 +51,7 @@ class _Leaf:
     path: tuple[int, ...]
     ndim: int | None = None
     is_status: bool = False
+    item_bytes: int = 0
 
     @property
     def is_complex(self) -> bool:
@@ -63,7 +65,8 @@ class _Leaf:
     @property
     def types(self) -> str:
         if self.ndim is None:
-            return ", ".join([self.llvm] * (1 + self.is_complex))
+            kind = "i8" if self.llvm == "i1" else self.llvm
+            return ", ".join([kind] * (1 + self.is_complex))
         return ", ".join(["ptr", *["i64"] * (2 * self.ndim)])
 
 
@@ -102,9 +105,20 @@ class ReturnedParts:
                 for part in (0, 1):
                     path = (*leaf.path, part)
                     yield from self._load(f"{name}.{part}", leaf.llvm, pointer, path)
+            elif leaf.llvm == "i1":
+                yield from self._load(f"{name}.bit", "i1", pointer, leaf.path)
+                yield f"{name} = zext i1 {name}.bit to i8"
+                values = [f"i8 {name}"]
             elif leaf.ndim is None:
                 yield from self._load(name, leaf.llvm, pointer, leaf.path)
                 values = [f"{leaf.llvm} {name}"]
+            elif leaf.item_bytes:
+                header = f"{name}.list"
+                yield from self._load(header, "ptr", pointer, (*leaf.path, 0))
+                yield f"{name}.size = load i64, ptr {header}"
+                yield f"{name}.at = getelementptr inbounds {{i64, ptr}}, ptr {header}, i32 0, i32 1"
+                yield f"{name} = load ptr, ptr {name}.at"
+                values = [f"ptr {name}", f"i64 {name}.size", f"i64 {leaf.item_bytes}"]
             else:
                 members: list[tuple[str, tuple[int, ...]]] = [("ptr", (_DATA,))]
                 members += [("i64", (_SHAPE, axis)) for axis in range(leaf.ndim)]
@@ -127,7 +141,10 @@ def parts_of(returned: Any) -> ReturnedParts | None:
     """The parts of a value of numba's type; None: the array has nothing like it."""
     leaves: list[_Leaf] = []
     form: list[int | str] = []
-    if not _take_apart(types.unliteral(returned), (), leaves, form, is_whole=True):
+    kind = types.unliteral(returned)
+    inner = kind.type if isinstance(kind, types.Optional) else kind
+    flag = "i1" if isinstance(inner, types.UniTuple | types.NamedUniTuple) else "i8"
+    if not _take_apart(kind, (), leaves, form, is_whole=True, flag=flag):
         return None
     pointer = callconv.MinimalCallConv(cpu_target.target_context).get_return_type(returned)
     text = _POINTER.sub("ptr", str(pointer.pointee))
@@ -141,29 +158,50 @@ def _take_apart(
     form: list[int | str],
     *,
     is_whole: bool = False,
+    flag: str = "i8",
 ) -> bool:
-    """Append the leaves of a type; whether it has only such as there are."""
+    """Append the leaves of a type; whether it has only such as there are. `flag`: LLVM's type of a
+    bool, a bit if the whole is a tuple of one type.
+    """
     if isinstance(kind, types.NoneType):
         form.append(NONE)
         return True
     if isinstance(kind, types.Optional):
         form.append(len(leaves))
-        leaves.append(_Leaf("bool", "i8", () if is_whole else (*path, 1), is_status=is_whole))
-        good = _take_apart(kind.type, path if is_whole else (*path, 0), leaves, form)
+        leaves.append(_Leaf("bool", flag, () if is_whole else (*path, 1), is_status=is_whole))
+        good = _take_apart(kind.type, path if is_whole else (*path, 0), leaves, form, flag=flag)
         form.append(OPTIONAL)
         return good
     if isinstance(kind, types.BaseTuple):
         for number, item in enumerate(kind.types):
-            if not _take_apart(types.unliteral(item), (*path, number), leaves, form):
+            if not _take_apart(types.unliteral(item), (*path, number), leaves, form, flag=flag):
                 return False
         form.append(" ".join((TUPLE, str(len(kind.types)), *_names(kind))))
         return True
-    leaf = _array(kind, path) if isinstance(kind, types.Array) else _scalar(kind, path)
+    leaf = _leaf(kind, path, flag)
     if leaf is None:
         return False
     form.append(len(leaves))
+    form += [LIST] * isinstance(kind, types.List)
     leaves.append(leaf)
     return True
+
+
+def _leaf(kind: Any, path: tuple[int, ...], flag: str) -> _Leaf | None:
+    """An array, a list or a scalar; None: it is none that there is."""
+    if isinstance(kind, types.Array):
+        return _array(kind, path)
+    if isinstance(kind, types.List):
+        part = kind.dtype
+        if part not in _LLVM:
+            return None
+        return _Leaf(str(part), _LLVM[part], path, 1, item_bytes=_bytes_of(part))
+    leaf = _scalar(kind, path)
+    return replace(leaf, llvm=flag) if leaf is not None and kind == types.boolean else leaf
+
+
+def _bytes_of(kind: Any) -> int:
+    return 1 if isinstance(kind, types.Boolean) else int(kind.bitwidth) // 8
 
 
 def _names(kind: Any) -> tuple[str, ...]:

@@ -3,9 +3,8 @@
 Relies on numba's internals, as do its helpers in this folder. The target is
 numba's CPU without everything that an array has not: code generation, reference counting, Python
 wrappers, exceptions. A raise becomes a call of a function named after it, so that a reachable one
-can be reported with its line. `range` iterates by comparing with its stop value: numba's own trip
-counter needs a division. An array index is taken as a 32-bit word, since any other is outside its
-array, which numba leaves undefined.
+can be reported with its line. An array index is taken as a 32-bit word, since any other is outside
+its array, which numba leaves undefined.
 """
 
 from __future__ import annotations
@@ -25,7 +24,6 @@ from numba.core.codegen import Codegen, CodeLibrary
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.descriptors import TargetDescriptor
 from numba.core.dispatcher import Dispatcher
-from numba.core.imputils import RefType, iternext_impl
 from numba.core.registry import cpu_target
 from numba.core.runtime import rtsys
 from numba.core.target_extension import (
@@ -37,11 +35,13 @@ from numba.core.target_extension import (
 )
 from numba.np import arrayobj, npyimpl
 from numba.np.ufunc.dufunc import DUFunc
+from numba.np.ufunc.gufunc import GUFunc
 from numba.stencils.stencil import StencilFunc
 
 import vividc.frontend.numba.library.linalg
 import vividc.frontend.numba.library.solve
-import vividc.frontend.numba.library.where  # noqa: F401 - all register functions with numba
+import vividc.frontend.numba.library.where
+import vividc.frontend.numba.lists.kept  # noqa: F401 - all register functions with numba
 from vividc.frontend.llvm.passes import DATA_LAYOUT
 from vividc.frontend.numba.arrays import (
     NoRuntime,
@@ -60,14 +60,17 @@ from vividc.frontend.numba.expressions.stencils import OwnStencil, own_stencil
 from vividc.frontend.numba.expressions.views import followed_views
 from vividc.frontend.numba.integer import integer_loops, integer_operator
 from vividc.frontend.numba.library.math import complex_power, float_loops
+from vividc.frontend.numba.library.order import argsort, is_argsort
 from vividc.frontend.numba.library.sort import is_sort, sort
 from vividc.frontend.numba.lines import Lines
-from vividc.frontend.numba.lists import lists_are_tuples
-from vividc.frontend.numba.prange import parallel_range
-from vividc.frontend.numba.raises import NUMPY, CallConv, model_of
+from vividc.frontend.numba.lists.fixed import lists_are_tuples
+from vividc.frontend.numba.lists.growing import list_of, lists_are_ours
+from vividc.frontend.numba.raises.convention import NUMPY, CallConv, model_of
+from vividc.frontend.numba.ranges import RANGE_RULES, parallel_range
 from vividc.frontend.numba.subscripts import marked_subscripts
 from vividc.frontend.numba.time import TimedTyping, ask, in_time
-from vividc.frontend.numba.vectorized import call_on_numbers, vectorized_type
+from vividc.frontend.numba.vectorized.elementwise import call_on_numbers, vectorized_type
+from vividc.frontend.numba.vectorized.generalized import call_whole, generalized_type
 
 
 class Callee:
@@ -180,6 +183,8 @@ class _TypingContext(TimedTyping):
             val = _own_dispatcher(val, val.py_func, fixed, val.locals)
         elif isinstance(val, DUFunc):
             return vectorized_type(val)
+        elif isinstance(val, GUFunc):
+            return generalized_type(val)
         elif isinstance(val, StencilFunc) and not isinstance(val, OwnStencil):
             model = model_of(val)
             target = _Dispatcher.targetdescr.target_context
@@ -246,7 +251,7 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
     def get_function(self, fn: Any, sig: Any, _firstcall: bool = True) -> Any:
         """As numba's, except for ranges, tuples, integer operators and float remainders."""
         ask()
-        iteration = _RANGE_RULES.get((fn, type(sig.args[0]))) if isinstance(fn, str) else None
+        iteration = RANGE_RULES.get((fn, type(sig.args[0]))) if isinstance(fn, str) else None
         if iteration is not None:
             return functools.partial(iteration, self, sig)
         operation = getattr(fn, "typing_key", fn)  # numba's own lowering asks for operators
@@ -258,24 +263,38 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
             return functools.partial(parallel_range, sig, general)
         rule = _our_rule(fn, operation, sig)
         if rule is not None:
-            return functools.partial(_ours, rule, self, sig if rule is sort else sig.as_function())
+            called = sig if rule in (sort, argsort) else sig.as_function()
+            return functools.partial(_ours, rule, self, called)
         general = super().get_function(fn, sig, _firstcall)
         return integer_operator(self, fn, sig, general)
 
 
 def _our_rule(fn: Any, operation: Any, sig: Any) -> Any:
-    """What stands in for numba's lowering of a call on tuples and arrays; None: nothing."""
+    """What stands in for numba's lowering of a call on tuples, lists and arrays, and for functions
+    that numba has made of a user's; None: nothing.
+    """
+    if isinstance(operation, DUFunc) and isinstance(sig.return_type, types.Number | types.Boolean):
+        return functools.partial(call_on_numbers, function=operation)
+    if isinstance(operation, GUFunc):
+        return functools.partial(call_whole, function=operation)
     if operation is operator.getitem and isinstance(sig.args[0], types.UniTuple):
         return pick
+    if operation is list and sig.args:
+        return list_of
+    if operation in _POWERS and isinstance(sig.args[0], types.Complex):
+        return complex_power
+    return _array_rule(fn, operation, sig)
+
+
+def _array_rule(fn: Any, operation: Any, sig: Any) -> Any:
+    """As `_our_rule`, of methods of arrays."""
     if "array.reshape" in (fn, operation) and isinstance(sig.args[-1], types.BaseTuple):
         return reshape
     if "array.transpose" in (fn, operation) and getattr(sig.return_type, "ndim", 0) > 1:
         given = [one for one in sig.args if not isinstance(one, types.NoneType | types.Array)]
         return transpose if given else None
-    if isinstance(operation, DUFunc) and isinstance(sig.return_type, types.Number | types.Boolean):
-        return functools.partial(call_on_numbers, function=operation)
-    if operation in _POWERS and isinstance(sig.args[0], types.Complex):
-        return complex_power
+    if is_argsort(operation, sig):
+        return argsort
     return sort if is_sort(operation, sig) else None
 
 
@@ -284,55 +303,6 @@ _POWERS = (operator.pow, operator.ipow, pow)
 
 def _ours(rule: Any, context: _Context, sig: Any, builder: ir.IRBuilder, args: Any, *_: Any) -> Any:
     return rule(context, builder, sig, args)
-
-
-_I64 = ir.IntType(64)
-_RANGE = ir.LiteralStructType([_I64, _I64, _I64])
-
-
-def _range_iterator(context: _Context, sig: Any, builder: ir.IRBuilder, args: Any) -> Any:
-    """Start, stop and step, widened, behind the first pointer of numba's iterator; its other fields
-    stay unused.
-    """
-    dtype = sig.args[0].dtype
-    slot = cgutils.alloca_once(builder, _RANGE)
-    for position in range(3):
-        word = builder.extract_value(args[0], position)
-        if word.type.width < _I64.width:
-            word = builder.sext(word, _I64) if dtype.signed else builder.zext(word, _I64)
-        builder.store(word, cgutils.gep_inbounds(builder, slot, 0, position))
-    step = builder.load(cgutils.gep_inbounds(builder, slot, 0, 2))
-    with cgutils.if_unlikely(builder, builder.icmp_signed("==", step, _I64(0))):
-        context.call_conv.return_user_exc(builder, ValueError, ("range() arg 3 must not be zero",))
-    iterator = cgutils.create_struct_proxy(sig.return_type)(context, builder)
-    iterator.iter = builder.bitcast(slot, iterator.iter.type)
-    return iterator._getvalue()
-
-
-def _range_next(context: _Context, sig: Any, builder: ir.IRBuilder, args: Any) -> Any:
-    implementation = iternext_impl(RefType.UNTRACKED)(_range_step)
-    return implementation(context, builder, sig, args)
-
-
-def _range_step(context: _Context, builder: ir.IRBuilder, sig: Any, args: Any, result: Any) -> None:
-    slot = builder.bitcast(builder.extract_value(args[0], 0), _RANGE.as_pointer())
-    field = [cgutils.gep_inbounds(builder, slot, 0, position) for position in range(3)]
-    value, stop, step = (builder.load(pointer) for pointer in field)
-    up = builder.icmp_signed("<", value, stop)
-    down = builder.icmp_signed(">", value, stop)
-    valid = builder.select(builder.icmp_signed(">", step, _I64(0)), up, down)
-    result.set_valid(valid)
-    item = context.get_value_type(sig.args[0].yield_type)
-    result.yield_(value if item == _I64 else builder.trunc(value, item))
-    # Unconditional, so that the loop keeps one plain induction: nobody looks at an exhausted
-    # iterator.
-    builder.store(builder.add(value, step, flags=["nsw"]), field[0])
-
-
-_RANGE_RULES: dict[tuple[str, type], Any] = {
-    ("getiter", types.RangeType): _range_iterator,
-    ("iternext", types.RangeIteratorType): _range_next,
-}
 
 
 class _Descriptor(TargetDescriptor):  # type: ignore[misc]
@@ -447,7 +417,7 @@ def _indices_are_words() -> Iterator[None]:
 @contextmanager
 def _in_our_way() -> Iterator[None]:
     """What numba does otherwise in every function."""
-    with _indices_are_words(), arrays_are_ours(), lists_are_tuples():
+    with _indices_are_words(), arrays_are_ours(), lists_are_tuples(), lists_are_ours():
         yield
 
 

@@ -24,7 +24,7 @@ from vividc.frontend.ranges.interval import (
     union,
     widen,
 )
-from vividc.frontend.ranges.trips import counter_bounds
+from vividc.frontend.ranges.trips import counter_bounds, joined_bounds
 from vividc.host import time_limit
 from vividc.ssa.flow import Flow, flow_of
 from vividc.ssa.ir import (
@@ -99,6 +99,18 @@ class Ranges:
         self._solve()
         self._limits = counter_bounds(function, self._flow, self.at)
         if any(self._known[name] != limit for name, limit in self._limits.items()):
+            self._solve()
+        self._join_webs()
+
+    def _join_webs(self) -> None:
+        """Solve once more where phis that take each other's values have less than they seem to."""
+        tighter = False
+        for name, bound in joined_bounds(self._function, self._flow, self.at).items():
+            least = intersect(bound, self._known[name])
+            if least not in (BOTTOM, self._known[name]):
+                tighter = True
+                self._limits[name] = intersect(least, self._limits.get(name, least))
+        if tighter:
             self._solve()
 
     def at(self, operand: Value, block: str) -> Interval:

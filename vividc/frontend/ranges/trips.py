@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import networkx as nx
+
 from vividc.frontend.ranges.interval import (
     BOTTOM,
     Interval,
@@ -245,3 +247,46 @@ def _staying(pred: str, leave: Branch, body: frozenset[str], *, swap: bool) -> s
     if held is not None and leave.successors[0] not in body:
         held = _NEGATED.get(held)
     return held
+
+
+def joined_bounds(function: Function, flow: Flow, range_at: Range) -> dict[int, Interval]:
+    """Intervals of phis that only take each other's values and some from outside, as a length does
+    that an iteration may add to and that a branch tests: all that come from outside. Widening loses
+    these, too.
+
+    Parameters
+    ----------
+    range_at
+        Sound intervals of operands in blocks.
+    """
+    bounds: dict[int, Interval] = {}
+    for web in _webs(function, flow):
+        ids = {phi.id for phi in web}
+        total = BOTTOM
+        for phi in web:
+            for pred, value in phi.incoming:
+                if not (isinstance(value, Ref) and value.id in ids):
+                    total = union(total, range_at(value, pred))
+        if total != BOTTOM:
+            bounds |= dict.fromkeys(ids, total)
+    return bounds
+
+
+def _webs(function: Function, flow: Flow) -> list[list[Phi]]:
+    """The integer phis that take each other's values, of those with more than one, around a loop's
+    header.
+    """
+    graph: nx.Graph[int] = nx.Graph()
+    phis = {
+        phi.id: phi
+        for name in flow.order
+        for phi in function.by_name[name].phis
+        if is_integer(phi.type)
+    }
+    for phi in phis.values():
+        values = (value for _, value in phi.incoming)
+        taken = [v.id for v in values if isinstance(v, Ref) and v.id in phis]
+        graph.add_edges_from((phi.id, one) for one in taken)
+    heads = {phi.id for name in flow.loops for phi in function.by_name[name].phis}
+    webs = (web for web in nx.connected_components(graph) if len(web) > 1 and heads & web)
+    return [[phis[id_] for id_ in sorted(web)] for web in webs]

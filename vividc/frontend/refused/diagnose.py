@@ -156,6 +156,10 @@ def _named(
         return _of_global(global_["name"], global_["kind"] or "", place)
     misuse = _MISUSE.search(text)
     if misuse is not None:
+        calls = () if source is None else refused_calls(source.tree)
+        for line, what, hint in calls:  # numpy's functions keep lists of their own
+            if line == place.line:
+                return _refusal(loc.file, _Finding(line, _Rule(what, hint)))
         reason, _, hint = misuse["what"].partition(": ")
         return KernelError(reason, loc=place, hint=hint or None)
     unknown = _UNDEFINED.search(text)
@@ -205,7 +209,7 @@ def behind(error: KernelError, loc: SourceLoc, name: str) -> KernelError | None:
         return named or _endless_loop(error, loc, source)
     if source is None or not isinstance(error.loc, SourceLoc) or error.loc.file != loc.file:
         return None
-    line = error.loc.line
+    line = _line_of(error.loc, source)
     findings = [f for f in _findings(source, [line]) if f.line == line]
     calls = source.calls_on(line)
     if "call" in error.reason:
@@ -218,6 +222,15 @@ def behind(error: KernelError, loc: SourceLoc, name: str) -> KernelError | None:
     if findings:
         return _refusal(loc.file, findings[0])
     return _of_unpacking(error, source, line)
+
+
+def _line_of(place: SourceLoc, source: KernelSource) -> int:
+    """A place's line; of the head of a function, which numba names for code of its own, that of the
+    first call of the kernel that no array runs.
+    """
+    if source.kernel is None or source.is_statement(place.line):
+        return place.line
+    return next((line for line, _, _ in refused_calls(source.kernel)), place.line)
 
 
 def _endless_loop(
@@ -352,12 +365,10 @@ _PLAIN_FUNCTION = (
     "is a plain Python function",
     "decorate it with @numba.njit, or with @vividc.kernel and a signature",
 )
-_ELEMENTWISE = "decorate it with @numba.njit, and call it for each element in a loop"
 _KINDS = {
     "function": _PLAIN_FUNCTION,
     "_lru_cache_wrapper": _PLAIN_FUNCTION,
     "": ("is not known here", "pass it as a parameter"),
-    "GUFunc": ("is made by @numba.guvectorize", _ELEMENTWISE),
     "JitClassType": ("is a class", "use scalars and arrays, one for each field"),
 }
 

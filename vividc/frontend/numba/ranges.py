@@ -1,4 +1,6 @@
-"""Loops over `numba.prange`: where a kernel's source has them, and how their bounds reach LLVM."""
+"""Loops over `range`, which compare with the stop value, where numba divides for a count;
+and over `numba.prange`: where a kernel's source has them, and how their bounds reach LLVM.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +13,8 @@ from typing import Any
 
 import numba
 from llvmlite import ir
+from numba.core import cgutils, types
+from numba.core.imputils import RefType, iternext_impl
 
 _I64 = ir.IntType(64)
 _WORD_MAX = (1 << 31) - 1
@@ -96,3 +100,53 @@ def _as_word(builder: ir.IRBuilder, value: Any, type_: Any) -> Any:
         is_beyond = builder.icmp_signed(beyond, value, _I64(limit))
         value = builder.select(is_beyond, _I64(limit), value)
     return value
+
+
+_I64 = ir.IntType(64)
+_RANGE = ir.LiteralStructType([_I64, _I64, _I64])
+
+
+def _range_iterator(context: Any, sig: Any, builder: ir.IRBuilder, args: Any) -> Any:
+    """Start, stop and step, widened, behind the first pointer of numba's iterator; its other fields
+    stay unused.
+    """
+    dtype = sig.args[0].dtype
+    slot = cgutils.alloca_once(builder, _RANGE)
+    for position in range(3):
+        word = builder.extract_value(args[0], position)
+        if word.type.width < _I64.width:
+            word = builder.sext(word, _I64) if dtype.signed else builder.zext(word, _I64)
+        builder.store(word, cgutils.gep_inbounds(builder, slot, 0, position))
+    step = builder.load(cgutils.gep_inbounds(builder, slot, 0, 2))
+    with cgutils.if_unlikely(builder, builder.icmp_signed("==", step, _I64(0))):
+        context.call_conv.return_user_exc(builder, ValueError, ("range() arg 3 must not be zero",))
+    iterator = cgutils.create_struct_proxy(sig.return_type)(context, builder)
+    iterator.iter = builder.bitcast(slot, iterator.iter.type)
+    return iterator._getvalue()
+
+
+def _range_next(context: Any, sig: Any, builder: ir.IRBuilder, args: Any) -> Any:
+    implementation = iternext_impl(RefType.UNTRACKED)(_range_step)
+    return implementation(context, builder, sig, args)
+
+
+def _range_step(context: Any, builder: ir.IRBuilder, sig: Any, args: Any, result: Any) -> None:
+    slot = builder.bitcast(builder.extract_value(args[0], 0), _RANGE.as_pointer())
+    field = [cgutils.gep_inbounds(builder, slot, 0, position) for position in range(3)]
+    value, stop, step = (builder.load(pointer) for pointer in field)
+    up = builder.icmp_signed("<", value, stop)
+    down = builder.icmp_signed(">", value, stop)
+    valid = builder.select(builder.icmp_signed(">", step, _I64(0)), up, down)
+    result.set_valid(valid)
+    item = context.get_value_type(sig.args[0].yield_type)
+    result.yield_(value if item == _I64 else builder.trunc(value, item))
+    # Unconditional, so that the loop keeps one plain induction: nobody looks at an exhausted
+    # iterator.
+    builder.store(builder.add(value, step, flags=["nsw"]), field[0])
+
+
+RANGE_RULES: dict[tuple[str, type], Any] = {
+    ("getiter", types.RangeType): _range_iterator,
+    ("iternext", types.RangeIteratorType): _range_next,
+}
+"""What stands in for numba's lowering of loops over ranges, by its name of the step and type."""

@@ -1,5 +1,5 @@
-"""Functions made by `numba.vectorize`, in kernels and as kernels: numba's array expressions call
-them for each element, as what they were made of.
+"""Functions made by `numba.vectorize`, in kernels: numba's array expressions call them for each
+element, as what they were made of.
 
 Numba would compile them for the host first, and link that. A function with fixed signatures
 converts its arguments to the first of them that fits, as on the host.
@@ -7,10 +7,7 @@ converts its arguments to the first of them that fits, as on the host.
 
 from __future__ import annotations
 
-import ast
 import functools
-import inspect
-from collections.abc import Callable, Container, Mapping, Sequence
 from typing import Any
 
 import numba
@@ -19,7 +16,6 @@ from numba.core.typing import npydecl, signature
 from numba.core.typing.templates import AbstractTemplate
 from numba.np import numpy_support
 from numba.np.ufunc.dufunc import DUFunc
-from numba.stencils.stencil import StencilFunc
 
 
 @functools.lru_cache(maxsize=256)
@@ -61,44 +57,3 @@ def call_on_numbers(context: Any, builder: Any, sig: Any, args: Any, function: D
     given = [context.cast(builder, *one) for one in zip(args, sig.args, inner.args, strict=True)]
     made = context.compile_internal(builder, function._dispatcher.py_func, inner, given)
     return context.cast(builder, made, inner.return_type, sig.return_type)
-
-
-def as_function(given: Any) -> Any:
-    """What a kernel is made of: of a function of `numba.vectorize` or `numba.stencil` a call on
-    whole arrays or numbers, of one that numba has compiled the function as written, anything else
-    as it is.
-    """
-    if not isinstance(given, DUFunc | StencilFunc):
-        return getattr(given, "py_func", given)
-    return _calling(given)
-
-
-@functools.lru_cache(maxsize=256)
-def _calling(function: DUFunc | StencilFunc) -> Callable[..., Any]:
-    is_stencil = isinstance(function, StencilFunc)
-    written = function.kernel_ir.func_id.func if is_stencil else function._dispatcher.py_func
-    names = tuple(inspect.signature(written).parameters)
-    called = free_name("_vectorized", {*names, written.__name__})
-    return function_like(written, names, f"{called}({', '.join(names)})", {called: function})
-
-
-def function_like(
-    written: Callable[..., Any], names: Sequence[str], value: str, known: Mapping[str, Any]
-) -> Callable[..., Any]:
-    """A function with the name, place and docstring of `written`, of parameters of these names,
-    which returns the value of an expression of them and of what is `known`.
-    """
-    tree = ast.parse(f"def {written.__name__}({', '.join(names)}): return {value}")
-    ast.increment_lineno(tree, written.__code__.co_firstlineno - 1)
-    made: dict[str, Any] = {**known, "__name__": written.__module__}
-    exec(compile(tree, written.__code__.co_filename, "exec"), made)
-    found: Callable[..., Any] = made[written.__name__]
-    found.__doc__ = written.__doc__
-    return found
-
-
-def free_name(name: str, taken: Container[str]) -> str:
-    """A name that is none of `taken`."""
-    while name in taken:
-        name += "_"
-    return name

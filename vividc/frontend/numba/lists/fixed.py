@@ -38,6 +38,11 @@ def lists_are_tuples() -> Iterator[None]:
         _ours.reset(before)
 
 
+def for_the_array() -> bool:
+    """Whether what numba compiles now is for the array."""
+    return _ours.get()
+
+
 @rewrites.register_rewrite("before-inference")
 class _Tuples(rewrites.Rewrite):  # type: ignore[misc]
     """Makes tuples of the lists of a block."""
@@ -45,7 +50,9 @@ class _Tuples(rewrites.Rewrite):  # type: ignore[misc]
     def match(self, func_ir: Any, block: Any, *_: Any) -> bool:
         """Whether the block makes lists that may be tuples."""
         self._block = block
-        made = {s.target.name: s.value for s in block.body if _is_list(s)} if _ours.get() else {}
+        made = (
+            {s.target.name: s.value for s in block.body if _is_list(s)} if for_the_array() else {}
+        )
         self._found = _fixed(func_ir, made) if made else set()
         self._arrays = {
             name
