@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+
 import numpy as np
 import pytest
 
@@ -138,3 +140,62 @@ def test_what_is_between_goes_before_or_behind() -> None:
 def test_what_is_between_stays_where_the_loops_change_it() -> None:
     between = '  %30 f32 = load $"&x", 0x2 array "x" shift 2'
     assert not is_fused(two(first="x", second="x", between=between, by="%30"))
+
+
+ROWS = """param "a" float32[2]
+b0:
+  %20 i32 = mul $"k", $"a.pitch1" exact
+  %21 i32 = add $"k", {other} exact
+  %22 i32 = mul %21, $"a.pitch1" exact
+  jump b1
+b1:
+  %0 i32 = phi [b0: 0x0, b2: %1]
+  %2 pred = icmp.slt %0, $"a.shape1"
+  branch %2 b2 else b3
+b2:
+  %3 i32 = add %22, {column} exact
+  %4 f32 = load $"&a", %3 array "a" shift 2
+  %5 none = store $"&y", %0, %4 array "y" shift 2
+  %1 i32 = add %0, 0x1 exact
+  jump b1
+b3:
+  jump b4
+b4:
+  %6 i32 = phi [b3: 0x0, b5: %7]
+  %8 pred = icmp.slt %6, $"a.shape1"
+  branch %8 b5 else b6
+b5:
+  %9 i32 = add %20, {column2} exact
+  %10 none = store $"&a", %9, 0x40000000 array "a" shift 2
+  %7 i32 = add %6, 0x1 exact
+  jump b4
+b6:
+  return
+"""
+
+
+@pytest.mark.parametrize(
+    ("other", "columns", "fuses"),
+    [
+        ("0x1", ("0x0", "0x0"), True),  # an element of the next row, and one of this row
+        ("0x0", ("0x0", "0x0"), False),  # one element in all iterations
+        ("0x1", ("%0", "0x0"), True),
+        ("0x0", ("0x0", "%6"), False),  # the first element of the row is loaded again and again
+    ],
+)
+def test_a_row_is_stored_where_another_one_is_loaded(
+    other: str, columns: tuple[str, str], fuses: bool
+) -> None:
+    text = ROWS.format(other=other, column=columns[0], column2=columns[1])
+    before = function(f'param "k" int32\nparam "y" float32[1]\n{text}')
+    after = fused(before)
+    for made in (before, after):
+        assert check_function(made) == []
+    arrays = [(np.arange(12, dtype=np.float32).reshape(3, 4), np.zeros(4, np.float32))] * 2
+    for made, (a, y) in zip((before, after), copy.deepcopy(arrays), strict=True):
+        interpret(made, np.int32(1), y, a)
+        assert a[1, 0] == 2
+        arrays.append((a, y))
+    for one, two_ in zip(*arrays[2:], strict=True):
+        np.testing.assert_array_equal(one, two_)
+    assert (len(find_loops(after)) == 1) is fuses

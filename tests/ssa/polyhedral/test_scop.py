@@ -73,6 +73,53 @@ def test_why_a_loop_is_no_part(given: dict[str, str], reason: str) -> None:
     assert found(**given) == reason
 
 
+MAKES = """param "n" int32
+param "m" int32
+param "x" int32[1]
+local "t" words 0 size {size}
+b0:
+  %9 pred = icmp.slt $"n", {least}
+  branch %9 b4 else b5
+b5:
+  jump b1
+b1:
+  %0 i32 = phi [b5: $"n", b3: %1]
+  %2 pred = icmp.slt 0x0, %0
+  branch %2 b2 else b4
+b2:
+  %3 none = store $"&x", %0, 0x1 array "x" shift 2
+  jump b3
+b3:
+  %1 i32 = add %0, 0xffffffff
+  jump b1
+b4:
+  return
+"""
+
+
+@pytest.mark.parametrize(
+    ("size", "least", "is_part"),
+    [
+        ('"s:n" "s:n" "*" 1 "*"', "0x0", True),
+        ('"s:n" "s:n" "*" 1 "*"', "0xffffffff", False),  # -1 times -1 is 1
+        ('"s:n" "s:m" "*" 1 "*"', "0x0", False),  # m may be 0
+        ('"s:n" 2048 "*"', "0x0", True),
+        ('"s:n" 1 "*"', "0x0", False),  # up to as many words as there are
+        ('"s:n" "s:n" "*" 1 "+"', "0x0", False),
+    ],
+)
+def test_a_loop_may_start_at_what_proves_to_be_a_length(
+    size: str, least: str, is_part: bool
+) -> None:
+    """A side of an array that the kernel makes, which is not negative, counts rows."""
+    part = find_scop(function(MAKES.format(size=size, least=least)), "b1")
+    assert isinstance(part, Scop) is is_part
+    if isinstance(part, Scop):
+        assert {str(part.symbols[name]) for name in part.lengths} == {"Input(key='n')"}
+    else:
+        assert part.reason == "a loop starts at a number that may be anything"
+
+
 BEHIND = """b0:
   jump b1
 b1:

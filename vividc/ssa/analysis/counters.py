@@ -1,15 +1,33 @@
-"""Counters that a loop's header tests: `while j < limit` with a constant step."""
+"""Counters that a loop's header tests: `while j < limit` with a constant step; and which numbers
+are lengths, small and natural.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Final
 
 from vividc.machine.opcodes import Opcode
+from vividc.machine.params import MAX_ELEMENTS, Formula
 from vividc.ssa.analysis.induction import Induction, induction_of, is_invariant, never_wraps
+from vividc.ssa.analysis.order import Order, Sum
 from vividc.ssa.edit import block_of, defined_types
 from vividc.ssa.flow import Loop
-from vividc.ssa.ir import Const, Function, Instr, Phi, Ref, Value, definition_of, is_dimension
+from vividc.ssa.ir import (
+    Const,
+    Function,
+    Input,
+    Instr,
+    Phi,
+    Ref,
+    Value,
+    definition_of,
+    is_dimension,
+)
+
+LONGEST: Final = 1 << 20
+"""No dimension of an array is longer, and no scalar that is a length."""
 
 _INT_MAX = (1 << 31) - 1
 _INT_MIN = -(1 << 31)
@@ -112,6 +130,49 @@ def is_length(value: Value) -> bool:
     if isinstance(value, Const):
         return value.word <= 1 << 14
     return is_dimension(value)
+
+
+def lengths(function: Function, order: Order, block: str) -> frozenset[Value]:
+    """Scalars that prove to be from 0 to `LONGEST` where `block` runs.
+
+    Of `np.zeros((n, n))` n is one: the launch makes an array of as many words as a formula says,
+    which are no more than there are addresses. So what is multiplied by itself there, and by
+    nothing that may be 0, is small, and a branch to what raises may tell that it is not negative.
+    """
+    facts = order.facts(block)
+
+    def is_at_least(value: Input, least: int) -> bool:
+        return order.is_proved(Sum(((value, 1),), -least), facts)
+
+    found: set[Value] = set()
+    for formula in _formulas(function):
+        factors, constant = _product(formula)
+        for one in dict.fromkeys(factors):
+            is_small = constant * (LONGEST + 1) ** factors.count(one) > MAX_ELEMENTS
+            others = (other for other in factors if other != one)
+            if is_small and all(is_at_least(other, 1) for other in others) and is_at_least(one, 0):
+                found.add(one)
+    return frozenset(found)
+
+
+def _formulas(function: Function) -> Iterator[Formula]:
+    """How many words the arrays have that the kernel makes."""
+    yield from (param.made for param in function.params if param.made)
+    yield from (array.size for array in function.locals if array.size)
+
+
+def _product(formula: Formula) -> tuple[list[Input], int]:
+    """The scalars that a formula multiplies by a constant; none if it does anything else."""
+    factors, constant = list[Input](), 1
+    for item in formula:
+        if isinstance(item, int):
+            constant *= item
+        elif item.startswith("s:"):
+            factors.append(Input(item[len("s:") :]))
+        elif item != "*":
+            return [], 1
+    is_known = constant > 0 and not any(map(is_dimension, factors))
+    return (factors, constant) if is_known else ([], 1)
 
 
 def moved_limit(counter: Counter) -> tuple[tuple[Opcode, int], ...]:

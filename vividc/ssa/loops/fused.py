@@ -16,11 +16,11 @@ from vividc.machine.opcodes import MEMORY, Opcode, Type
 from vividc.machine.params import TRAP
 from vividc.machine.words import WORD_MASK
 from vividc.ssa.analysis.counters import Counter, counter_of
-from vividc.ssa.analysis.order import Order
+from vividc.ssa.analysis.order import Lacking, Order, Sum
 from vividc.ssa.analysis.polynomial import Polynomial, Polynomials, constant
 from vividc.ssa.edit import defined_types, read_values, rename_incoming, retarget, substitute
 from vividc.ssa.flow import Loop, find_loops, predecessors, preheader_of
-from vividc.ssa.ir import Block, Const, Function, Instr, Ref, Value
+from vividc.ssa.ir import Block, Const, Function, Instr, Ref, Value, is_dimension
 from vividc.ssa.loops.forwarded import is_unconditional
 from vividc.ssa.loops.join import between
 from vividc.ssa.polyhedral.subscripts import FlatRows, element_bytes, subscripts_of
@@ -124,12 +124,8 @@ class _Pair:
         if one is None or other is None or one.step != 1 or other.step != 1:
             return None
         order = Order(function)
-        facts = order.facts(preheader_of(function, first))
-        starts, limits = (
-            order.sum_of(values[1]).less(order.sum_of(values[0]))
-            for values in ((one.initial, other.initial), (one.limit, other.limit))
-        )
-        if starts.terms or order.equal(starts, limits, facts) != ():
+        starts = _between(order, one.initial, other.initial)
+        if starts.terms or _lacking(order, first, (one, other)) != ():
             return None
         above, below = _sorted_out(function, first, middle)
         counters, ahead = (one, other), starts.constant
@@ -208,6 +204,43 @@ class _Pair:
             instrs.append(Instr(counter, Opcode.ADD, Type.I32, operands, exact=True))
         branch = retarget(head.branch, self.first.exits[0][1], after)
         return Block(head.name, tuple(phis), (*instrs, *other.instrs), branch)
+
+
+def _between(order: Order, one: Value, other: Value) -> Sum:
+    """How much the second value is more than the first."""
+    return order.sum_of(other).less(order.sum_of(one))
+
+
+def _lacking(order: Order, first: Loop, counters: tuple[Counter, Counter]) -> Lacking | None:
+    """What would have to hold for two loops to have as many iterations."""
+    one, other = counters
+    facts = order.facts(preheader_of(order.function, first))
+    starts = _between(order, one.initial, other.initial)
+    return order.equal(starts, _between(order, one.limit, other.limit), facts)
+
+
+def lacking_lengths(order: Order) -> Iterator[Lacking]:
+    """What would have to hold of scalars for loops, one right after the other, that access one
+    array to have as many iterations.
+    """
+    function = order.function
+    loops = find_loops(function)
+    for first in loops:
+        second = _next(function, first, loops)
+        if second is None or not _share(function, first, second):
+            continue
+        one, other = (counter_of(function, loop) for loop in (first, second))
+        if one is not None and other is not None and one.step == other.step == 1:
+            lacking = _lacking(order, first, (one, other)) or ()
+            if not any(map(_is_about_shapes, lacking)):
+                yield lacking
+
+
+def _is_about_shapes(wanted: Sum) -> bool:
+    """Whether a sum compares dimensions: a matrix may have more rows than columns, of which a
+    scalar that counts either says nothing.
+    """
+    return len(wanted.terms) > 1 and all(is_dimension(value) for value, _ in wanted.terms)
 
 
 def _sorted_out(
@@ -343,6 +376,9 @@ class _Meetings:
             return False
         (slope, rest), (other_slope, other_rest) = first, second
         step, other_step = slope.constant, other_slope.constant
+        if step == other_step == 0:  # rows beside the one that the second loop goes along
+            away = rest.plus(other_rest, -1).constant
+            return away is not None and away != 0 and away % width == 0
         if not step or other_step not in (step, 0) or step % width:
             return False
         by = constant(-step * self._pair.ahead)

@@ -85,7 +85,8 @@ class _Writer:
         self.scop = scop
         self.loops = loops = places.loops
         self.places = places
-        self.words = Words(FreshIds(scop.function), scop.symbols, loops.quotients, scop.rows)
+        ids = FreshIds(scop.function)
+        self.words = Words(ids, scop.symbols, loops.quotients, scop.rows, scop.lengths)
         self.registers = Registers(scop, places, self.words)
         self.made: dict[str, Made] = {}
         self.branches: dict[str, str] = {}

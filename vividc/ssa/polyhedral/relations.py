@@ -12,7 +12,7 @@ from typing import Final
 
 import islpy as isl
 
-from vividc.ssa.ir import is_dimension
+from vividc.ssa.analysis.counters import LONGEST
 from vividc.ssa.polyhedral.forms import Form, form, symbol
 from vividc.ssa.polyhedral.scop import Nest, Scop, Statement
 from vividc.ssa.polyhedral.subscripts import Access
@@ -28,9 +28,6 @@ _STRIKES: Final = 2
 
 _REDUCTION: Final = 2_000_000
 """Of isl's operations (about 1 s), to find the dependences from which others follow."""
-
-_LONGEST = 1 << 20
-"""No dimension of an array is longer."""
 
 
 @dataclass(frozen=True)
@@ -86,8 +83,8 @@ class Relations:
     def context(self) -> isl.Set:
         """What is known of the symbols."""
         limits = []
-        for name, value in self.scop.symbols.items():
-            least, most = (0, _LONGEST) if is_dimension(value) else (-LARGE, LARGE)
+        for name in self.scop.symbols:
+            least, most = (0, LONGEST) if name in self.scop.lengths else (-LARGE, LARGE)
             limits.append(f"{least} <= {name} <= {most}")
         return isl.Set(f"{self.parameters} -> {{ : {' and '.join(limits) or 'true'} }}")
 

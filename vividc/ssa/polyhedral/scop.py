@@ -17,7 +17,7 @@ from typing import Final
 from vividc.machine.opcodes import MEMORY, Opcode, Type
 from vividc.machine.words import signed
 from vividc.ssa.analysis.conjunctions import CONTRARY, Conjunctions, only_tested
-from vividc.ssa.analysis.counters import Counter, counter_of
+from vividc.ssa.analysis.counters import Counter, counter_of, lengths
 from vividc.ssa.analysis.levels import Level, level_of
 from vividc.ssa.analysis.order import Order
 from vividc.ssa.analysis.polynomial import Polynomial, Polynomials
@@ -137,6 +137,8 @@ class Scop:
         A load of each array whose elements are less than a word, if there is one.
     rows
         How long rows are of the kernel's own arrays whose subscripts are two.
+    lengths
+        Symbols that are dimensions, or prove to be as small.
     """
 
     function: Function
@@ -150,6 +152,7 @@ class Scop:
     elements: Mapping[str, Type]
     narrow: Mapping[str, Instr]
     rows: Mapping[str, Input] = field(default_factory=dict)
+    lengths: frozenset[str] = frozenset()
 
     @cached_property
     def statements(self) -> tuple[Statement, ...]:
@@ -207,33 +210,32 @@ class _Raising:
         self.order = Order(function)
         self.rows = FlatRows(function, self.order)
         self._tests = only_tested(function)
+        self._lengths = lengths(function, self.order, preheader_of(function, level.loop))
 
     def scop(self) -> Scop:
         """The part."""
         nest = self._nest(self.level, ())
         nest = with_scalars(nest, self.depth, self._read_after())
-        [(_, after)] = self.level.loop.exits
-        entry = preheader_of(self.function, self.level.loop)
         indices = {key.id: value for key, value in self.values.items() if isinstance(key, Ref)}
         return Scop(
             self.function,
             nest,
             self.level.loop,
-            entry,
-            after,
+            preheader_of(self.function, self.level.loop),
+            self.level.loop.exits[0][1],
             self.symbols,
             self.depth,
             indices,
             self.elements.types,
             self.elements.narrow,
             self.rows.lengths,
+            frozenset(n for n, value in self.symbols.items() if self._is_length(value)),
         )
 
     def _read_after(self) -> set[int]:
         outside = [block for block in self.function.blocks if block.name not in self.inside]
-        values = (value for block in outside for value in read_values(block))
-        read = {value.id for value in values if isinstance(value, Ref)}
-        own = {ident for ident in self.level.types if ident in read}
+        read = {v.id for block in outside for v in read_values(block) if isinstance(v, Ref)}
+        own = self.level.types.keys() & read
         phis = {phi.id for phi in self.level.header.phis}
         if own - phis or any(Ref(ident) in self.values for ident in own):
             raise _NotStatic("a value of it that it does not carry is read after it")
@@ -325,8 +327,7 @@ class _Raising:
     def _entering(self, inner: Level) -> tuple[tuple[int, Value], ...]:
         before = preheader_of(self.function, inner.loop)
         counter = self._counter(inner.loop).phi.id
-        phis = inner.header.phis
-        return tuple((phi.id, incoming(phi, before)) for phi in phis if phi.id != counter)
+        return tuple((p.id, incoming(p, before)) for p in inner.header.phis if p.id != counter)
 
     def _counter(self, loop: Loop) -> Counter:
         if loop.header not in self.counters:
@@ -360,7 +361,10 @@ class _Raising:
 
     def _is_any(self, name: str) -> bool:
         """Whether it is a number that is no length of an array."""
-        return name in self.symbols and not is_dimension(self.symbols[name])
+        return name in self.symbols and not self._is_length(self.symbols[name])
+
+    def _is_length(self, value: Value) -> bool:
+        return is_dimension(value) or value in self._lengths
 
     def _bound(self, value: Value) -> Form:
         """A bound as a form whose sums do not wrap."""

@@ -210,4 +210,52 @@ def test_arrays_between_go_where_no_sizes_are_asked_for() -> None:
 
 
 def test_arrays_that_are_needed_stay() -> None:
-    assert without_arrays_between(tidy(kept.lower())) is None
+    before = tidy(kept.lower())
+    after = without_arrays_between(before) or before
+    assert [one for b in after.blocks for one in b.instrs if one.array.startswith("local")]
+
+
+@vividc.kernel(f"void(int64, {M})")
+def swept(n, a):
+    """seidel_2d: as many elements of a row as the array has, then as many as a scalar says."""
+    for i in range(1, n - 1):
+        a[i, 1:-1] += a[i - 1, :-2] + a[i, 2:] + a[i + 1, 1:-1]
+        for j in range(1, n - 1):
+            a[i, j] += a[i, j - 1]
+
+
+def test_loops_that_are_one_for_sizes_that_agree_ask_for_them() -> None:
+    before = tidy(swept.lower())
+    made = sized(swept)
+    assert check_function(made.function) == []
+    loops = [one for one in find_loops(made.function) if one.header not in made.others]
+    assert len(loops) == 2
+    for n, rows, columns in ((0, 3, 3), (1, 1, 1), (2, 2, 2), (4, 4, 4), (3, 4, 5), (7, 7, 6)):
+        a = np.arange(rows * columns, dtype=np.float32).reshape(rows, columns)
+        assert outcome(made.function, [n, a]) == outcome(before, [n, a])
+
+
+@vividc.kernel("int32[:, ::1](int64, int32[::1])")
+def triangle(n, x):
+    """nussinov: from the last row up, of an array that the kernel makes."""
+    t = np.zeros((n, n), np.int32)
+    for i in range(n - 1, -1, -1):
+        for j in range(i + 1, n):
+            if j - 1 >= 0:
+                t[i, j] = max(t[i, j], t[i, j - 1])
+            if i + 1 < n:
+                t[i, j] = max(t[i, j], t[i + 1, j] + x[j])
+    return t
+
+
+def test_rows_of_an_array_that_is_returned_are_known() -> None:
+    before = tidy(triangle.lower())
+    assert for_sizes(before) is None
+    after = without_arrays_between(before)
+    assert after is not None
+    parts = []
+    for function in (before, after):
+        outer = max(find_loops(function), key=lambda one: len(one.blocks))
+        parts.append(find_scop(with_own_latches(function, outer.header), outer.header))
+    assert isinstance(parts[0], Refusal)
+    assert not isinstance(parts[1], Refusal), parts[1].reason

@@ -32,7 +32,7 @@ from vividc.ssa.ir import (
     is_dimension,
 )
 from vividc.ssa.loops.forwarded import forwarded, own_arrays
-from vividc.ssa.loops.fused import fused
+from vividc.ssa.loops.fused import fused, lacking_lengths
 from vividc.ssa.loops.sizes.by_counters import by_counters
 from vividc.ssa.loops.sizes.decide import decided
 from vividc.ssa.loops.temporaries import without_temporaries
@@ -82,18 +82,17 @@ def for_sizes(function: Function) -> Sized | None:
 
 
 def without_arrays_between(function: Function) -> Function | None:
-    """A kernel that asks for no sizes with fewer arrays of its own, as in the version for sizes
-    that agree; None: it needs all of them.
+    """A kernel that asks for no sizes, but makes arrays, as in the version for sizes that agree:
+    with elements by row and column, and fewer arrays; None: it is as it was.
     """
-    before = _accessed(function)
-    made = _in_registers(function) if before else function
-    return made if len(_accessed(made)) < len(before) else None
+    made = _in_registers(function) if _makes_arrays(function) else function
+    return None if made == function else made
 
 
-def _accessed(function: Function) -> set[str]:
-    """A kernel's own arrays that it accesses."""
-    arrays = {one.array for block in function.blocks for one in block.instrs}
-    return arrays.intersection(own_arrays(function))
+def _makes_arrays(function: Function) -> bool:
+    """Whether a kernel accesses arrays that nobody gives it."""
+    own = {*own_arrays(function), *(param.name for param in function.params if param.made)}
+    return any(one.array in own for block in function.blocks for one in block.instrs)
 
 
 def _in_registers(function: Function) -> Function:
@@ -175,6 +174,10 @@ def _wanted(function: Function, given: tuple[Sum, ...]) -> tuple[Sum, ...]:
         for lacking in _asked(order, block):
             order.given += [one for one in lacking if one not in order.given]
             asks = asks or (block.name in inside and bool(lacking))
+    if _makes_arrays(function):
+        for lacking in lacking_lengths(order):
+            order.given += [one for one in lacking if one not in order.given]
+            asks = asks or bool(lacking)
     if not (asks or given):
         return ()
     for block in blocks if order.given else ():

@@ -11,7 +11,7 @@ from vividc.machine.division import quotient_by_constant
 from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.words import WORD_BITS, WORD_MASK
 from vividc.ssa.edit import FreshIds
-from vividc.ssa.ir import Const, Input, Instr, Ref, Value, is_dimension, pitch_of
+from vividc.ssa.ir import Const, Input, Instr, Ref, Value, pitch_of
 from vividc.ssa.polyhedral.forms import Form
 from vividc.ssa.polyhedral.loops import Quotient, Test
 from vividc.ssa.polyhedral.relations import LARGE
@@ -39,13 +39,14 @@ class Words:
         symbols: Mapping[str, Value],
         quotients: Mapping[str, Quotient],
         rows: Mapping[str, Input],
+        lengths: frozenset[str],
     ) -> None:
         self.ids = ids
         self.names = dict(symbols)
         self.order: list[str] = []
         self.instrs: list[Instr] = []
         self.loc: SourceLoc | None = None
-        self._symbols = symbols
+        self._unbounded = symbols.keys() - lengths
         self._quotients = quotients
         self._rows = rows
         self._predicates: set[Value] = set()
@@ -170,9 +171,7 @@ class Words:
 
     def _clamped(self, name: str) -> Value:
         value = self._name(name)
-        if name not in self._symbols or is_dimension(value):
-            return value
-        return self.emit(Opcode.SMAX, value, -LARGE)
+        return self.emit(Opcode.SMAX, value, -LARGE) if name in self._unbounded else value
 
     def _name(self, name: str) -> Value:
         if name not in self.names:
