@@ -226,3 +226,25 @@ def program(a, f, b, n, m):
 """
     verdict = judge(source, 910158, tmp_path, simulate="mapped")
     assert verdict.kind == "agrees", verdict.text
+
+
+def test_rows_of_a_flat_view_that_meet_wait_for_each_other(tmp_path: Path) -> None:
+    """An element before the first of a row is the last of the row before: iterations of rows ran
+    side by side, as if a flat index lay in the row that it is computed from.
+    """
+    source = """
+import numpy as np
+from vividc.frontend import kernel
+SHAPES = {'a': ('#5', '#6'), 'f': ('#6',)}
+
+@kernel('void(float32[:, ::1], float32[::1])')
+def program(a, f):
+    n, m = a.shape
+    flat = a.ravel()
+    for s in range(3):
+        for i in range(1, n):
+            for j in range(m):
+                flat[i * m + j] = flat[i * m + j - 1] * np.float32(0.5) + f[j]
+"""
+    verdict = judge(source, 7, tmp_path, simulate="mapped")
+    assert verdict.kind == "agrees", verdict.text

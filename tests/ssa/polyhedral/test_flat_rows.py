@@ -30,7 +30,7 @@ b3:
   branch %6 b4 else b5
 b4:
   %7 i32 = add %3, {column}
-  %8 none = store $"&{array}", %7, %0 array "{array}" shift 2
+  %8 none = store $"&{array}", %7, %0 array "{array}" shift 2{offset}
   %5 i32 = add %4, 0x1 exact
   jump b3
 b5:
@@ -39,13 +39,13 @@ b5:
 b6:
   return
 """
+STANDARD = {"array": "t", "first": "0x0", "limit": "a.shape1", "column": "%4", "offset": ""}
 
 
-def subscripts(
-    array: str = "t", first: str = "0x0", limit: str = "a.shape1", column: str = "%4"
-) -> tuple[Form, ...] | str:
+def subscripts(**given: str) -> tuple[Form, ...] | str:
     """Of the store, or why there are none."""
-    text = NEST.format(array=array, first=first, limit=limit, column=column)
+    changed = {**STANDARD, **given}
+    array, text = changed["array"], NEST.format(**changed)
     made = find_scop(function(text), "b1")
     if isinstance(made, Refusal):
         return made.reason
@@ -57,13 +57,25 @@ def subscripts(
 
 @pytest.mark.parametrize("array", ["t", "a"])
 def test_an_index_is_of_a_row_and_a_column(array: str) -> None:
-    assert subscripts(array) == (symbol("i0"), symbol("i1"))
+    assert subscripts(array=array) == (symbol("i0"), symbol("i1"))
+
+
+def test_an_offset_is_of_the_column() -> None:
+    before = symbol("i1").plus(Form((), -1))
+    assert subscripts(first="0x1", offset=" offset -4") == (symbol("i0"), before)
 
 
 @pytest.mark.parametrize(
     "given",
-    [{"limit": "n"}, {"first": "0xffffffff"}, {"column": "%0"}, {"array": "b"}],
-    ids=["a column may be behind its row", "or before it", "or any", "rows have another length"],
+    [
+        {"limit": "n"},
+        {"first": "0xffffffff"},
+        {"offset": " offset -4"},
+        {"offset": " offset 4"},
+        {"column": "%0"},
+        {"array": "b"},
+    ],
+    ids=["behind its row", "before it", "by an offset", "behind it so", "any", "other rows"],
 )
 def test_what_may_be_in_another_row_is_refused(given: dict[str, str]) -> None:
     array = given.get("array", "t")

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 from vividc.machine.opcodes import MEMORY, Opcode
 from vividc.machine.words import signed
 from vividc.ssa.analysis.counters import counter_of, defined_in
 from vividc.ssa.analysis.induction import constant_step
 from vividc.ssa.analysis.levels import Level, level_of, with_own_latches
-from vividc.ssa.analysis.polynomial import Monomial, Polynomial, Polynomials, constant
+from vividc.ssa.analysis.order import Order
+from vividc.ssa.analysis.polynomial import Monomial, Polynomial, Polynomials, constant, symbol
 from vividc.ssa.flow import Loop
-from vividc.ssa.ir import Const, Function, Input, Instr, Ref, Value, definition_of
+from vividc.ssa.ir import Const, Function, Input, Instr, Ref, Value, definition_of, is_pitch
 from vividc.ssa.loops.threads.make import private_arrays
+from vividc.ssa.polyhedral.subscripts import FlatRows
 from vividc.ssa.rewrite.normalize import canonical_loops
 
 
@@ -21,7 +25,7 @@ def meeting_array(function: Function, header: str) -> str | None:
     Iterations stay apart where all places are a counter times a constant, plus what is fixed, plus
     what differs by less: constants, counters of inner loops, masked words; and where they are in
     the row of the counter's number, whatever the column: a subscript outside its dimension is
-    undefined.
+    undefined, and a flat index proves to be in the row.
     """
     function = with_own_latches(canonical_loops(function), header)
     level = level_of(function, header)
@@ -46,6 +50,7 @@ class _Proof:
     def __init__(self, function: Function, level: Level) -> None:
         self.function = function
         self.known = Polynomials(function)
+        self.by_pitch = Polynomials(function, pitches=True)
         self.varying: set[Value] = {Ref(i) for i in defined_in(function, level.loop)}
         self.loops = [inner.loop for inner in level.all_levels() if inner is not level]
         self.home = {i.id: name for name, block in level.blocks.items() for i in block.instrs}
@@ -109,8 +114,15 @@ class _Proof:
         counter = counter_of(self.function, loop)
         return counter is not None and value == Ref(counter.phi.id)
 
+    @cached_property
+    def order(self) -> Order:
+        """What is known of the integers."""
+        return Order(self.function)
+
     def in_rows(self, group: list[Instr], counter: int) -> bool:
-        """Whether all accesses are to elements (i, ...) of an array of several dimensions."""
+        """Whether all accesses are to elements (i, ...) of an array of several dimensions: by
+        subscripts, or by flat indices that prove to be in the row.
+        """
         param = next((p for p in self.function.params if p.name == group[0].array), None)
         if param is None or param.ndim < 2 or param.flat:  # noqa: PLR2004 - rows and columns
             return False
@@ -124,7 +136,27 @@ class _Proof:
                 return False
             if len(slope[0][0]) != len(dims) or any(dims <= set(m) for m in parts[1].terms):
                 return False
+            if not (self._is_by_subscripts(instr) or self._is_flat_in_row(instr, counter)):
+                return False
         return True
+
+    def _is_by_subscripts(self, instr: Instr) -> bool:
+        """Whether an access is by subscripts, each of which lies in its dimension."""
+        index = self.by_pitch.of(instr.operands[1])
+        return any(is_pitch(value) for monomial in index.terms for value in monomial)
+
+    def _is_flat_in_row(self, instr: Instr, counter: int) -> bool:
+        """Whether a flat index proves to be in the row of the counter's number."""
+        rows = FlatRows(self.function, self.order)
+        found = rows.taken_apart(instr, self.by_pitch.of(instr.operands[1]), self._is_below)
+        return found is not None and found[0] == symbol(Ref(counter))
+
+    def _is_below(self, column: Polynomial, length: Input, access: Instr) -> bool:
+        """Whether a column is from 0 to below the length of its row."""
+        if any(len(monomial) > 1 for monomial in column.terms):
+            return False
+        block = self.home[access.id]
+        return self.order.lacks_below(self.order.of_terms(column), length, block) == ()
 
     def _parts(self, instr: Instr, counter: int) -> tuple[Polynomial, Polynomial] | None:
         """(a, b) of an index a * counter + b into the array from its start."""

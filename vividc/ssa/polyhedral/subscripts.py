@@ -145,16 +145,20 @@ class FlatRows:
         index: Polynomial,
         is_in_row: Callable[[Polynomial, Input, Instr], bool],
     ) -> tuple[Polynomial, ...] | None:
-        """Row and column, or as many subscripts as an array of more dimensions has; None: they are
-        not known, or are by rows of another length elsewhere.
+        """Row and column, or as many subscripts as an array of more dimensions has, to the last of
+        which the access adds its offset; None: they are not known, or are by rows of another length
+        elsewhere.
         """
         name, unit = access.array, constant(element_bytes(access) >> access.shift)
+        behind = constant(access.offset // element_bytes(access))
         parts = self.deep(access, index)
         if parts:
-            is_known = all(is_in_row(part, length, access) for part, length in parts[1:])
+            *inner, (column, length) = parts[1:]
+            ends = (*inner, (column.plus(behind), length))
+            is_known = all(is_in_row(part, length, access) for part, length in ends)
             return tuple(part.times(unit) for part, _ in parts) if is_known else None
         for row, column, length in self.candidates(access, index):
-            if is_in_row(column, length, access):
+            if is_in_row(column.plus(behind), length, access):
                 if self._known[name] is None and self.lengths.setdefault(name, length) != length:
                     return None
                 return row.times(unit), column.times(unit)
