@@ -3,9 +3,11 @@
 Outside the package, so that nothing is loaded before it says so.
 """
 
+import atexit
 import os
 import signal
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
@@ -13,6 +15,7 @@ from types import FrameType
 _INTERRUPTED = 130
 _WRONG_INPUT = 2
 _MOST = 300
+_BYTE = 0xFF
 _NUMBAS_SETTINGS = ".numba_config.yaml"
 
 
@@ -43,7 +46,30 @@ def loading() -> Iterator[None]:
 
 
 def main() -> None:
-    """Run the command line."""
+    """Run the command line, and end the process with its exit code."""
     with loading():
         from vividc.cli.main import main as command  # noqa: PLC0415 - under the handler
-    command(prog_name="vividc")
+    try:
+        command(prog_name="vividc")
+    except SystemExit as end:
+        _end_soon(end.code)
+        raise
+
+
+def _end_soon(code: object) -> None:
+    """End the process as the interpreter does, but leave its memory to the system: to free what a
+    compilation has made, object by object, takes a twelfth of its time. Not where somebody waits
+    for more: other threads, or who looks on.
+    """
+    is_alone = threading.active_count() == 1
+    is_watched = sys.flags.inspect or sys.getprofile() is not None or sys.gettrace() is not None
+    if not isinstance(code, int | None) or not is_alone or is_watched:
+        return
+    atexit._run_exitfuncs()
+    try:
+        for stream in (sys.stdout, sys.stderr):
+            if stream is not None:
+                stream.flush()
+    except (OSError, ValueError):  # the interpreter says so
+        return
+    os._exit((code or 0) & _BYTE)
