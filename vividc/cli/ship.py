@@ -31,7 +31,8 @@ def ship(folder: Path) -> None:
     """
     for module in COMPILED:
         import_module(module)
-    shipped.write(folder, dict(unit.portable() for unit in units))
+    made = [unit.portable() for unit in units]
+    shipped.write(folder, {name: code for one in made for name, code in one.items()})
 
 
 if __name__ == "__main__":

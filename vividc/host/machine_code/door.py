@@ -79,12 +79,14 @@ class Compiler:
             self.is_quick = self._soon and code is None
             self._link(entries, code or self._kept(entries, quick=self.is_quick))
 
-    def portable(self) -> tuple[str, bytes]:
-        """The text of the module of all functions, and its machine code for any processor of this
-        architecture: what an installation brings along.
+    def portable(self) -> dict[str, bytes]:
+        """Machine code of all functions for any processor of this architecture, which an
+        installation brings along, by what it is found by: what the functions follow from, or, where
+        another Python looks for it, the text of their module.
         """
         text = self._text(self.entries)
-        return text, optimised(text, in_vectors=self.in_vectors, portable=True)
+        code = optimised(text, in_vectors=self.in_vectors, portable=True)
+        return dict.fromkeys((self._about(self.entries), text), code)
 
     def spent(self, seconds: float) -> None:
         """Functions made quickly ran for so long: optimise them, if that is worth it by now. Other
@@ -111,9 +113,12 @@ class Compiler:
             entry.native = _Native(one, address, outside)
 
     def _key(self, entries: Sequence[Entry], *, quick: bool = False) -> str:
-        how = f"{'quickly' if quick else self.in_vectors} {CHECKED}"
-        about = f"{host()}\n{how}\n{origin(entry.py_func for entry in entries)}"
+        about = f"{host()}\n{self._about(entries, quick=quick)}"
         return sha256(about.encode()).hexdigest()
+
+    def _about(self, entries: Sequence[Entry], *, quick: bool = False) -> str:
+        how = f"{'quickly' if quick else self.in_vectors} {CHECKED}"
+        return f"{how}\n{origin(entry.py_func for entry in entries)}"
 
     def _kept(self, entries: Sequence[Entry], *, quick: bool = False) -> bytes:
         """Machine code; processes that need the same wait for the first."""
@@ -129,12 +134,12 @@ class Compiler:
 
     def _at_hand(self, entries: Sequence[Entry]) -> bytes | None:
         """Optimised machine code that was kept, or came with the installation, which is kept then:
-        the text that it is known by takes 0.05 s to write.
+        the text that it may be known by takes 0.1 s to write.
         """
         key = self._key(entries)
         code = cache.read(_KIND, key)
         if code is None and shipped.FOLDER.is_dir():
-            code = shipped.read(self._text(entries))
+            code = shipped.read(self._about(entries)) or shipped.read(self._text(entries))
             if code is not None:
                 cache.write(_KIND, key, code)
         return code
