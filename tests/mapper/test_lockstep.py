@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
@@ -68,6 +68,37 @@ def test_what_goes_wrong_in_an_attempt_is_raised() -> None:
 
     with pytest.raises(ValueError, match="of an attempt"):
         first_result([attempt(5, "found"), broken()])
+
+
+@pytest.mark.parametrize("left_s", [0.5, 100.0])
+def test_little_effort_is_spent_as_if_steps_were_taken_in_turn(left_s: float) -> None:
+    """Attempts ask for what is left before each step, by which those end that find none."""
+    for threads in (1, 2):
+        spent: list[float] = []
+
+        def left(spent: list[float] = spent) -> float:
+            return left_s - sum(spent)
+
+        def lasting(name: str, steps: int, left: Callable[[], float] = left) -> Steps[str | None]:
+            for number in range(steps):
+                if left() <= 0.0:
+                    return f"{name} after {number}"
+                yield 0.02 if name == "long" else 0.01
+            return f"{name} to its end"
+
+        going = [lasting("long", 200), lasting("short", 40)]
+        found = every_result(going, spent.append, threads, left)
+        whole = ["long to its end", "short to its end"]
+        assert found == (["long after 25", "short after 25"] if left_s == 0.5 else whole)
+        assert sum(spent) == pytest.approx(min(0.5, left_s) if left_s == 0.5 else 4.0)
+
+
+def test_the_first_of_a_race_is_the_one_with_the_fewest_steps_in_long_turns() -> None:
+    for threads in (1, 2, 3):
+        charged: list[float] = []
+        going = [attempt(40, "late"), attempt(20, "first"), attempt(20, "second")]
+        assert first_result(going, charged.append, threads) == "first"
+        assert charged == [1.0] * 21
 
 
 @pytest.mark.parametrize("name", ["openedge-3x3", "mesh-3x3"])

@@ -50,7 +50,7 @@ def negotiate(
     if not attempts:
         return Negotiated()
     going = [attempt.run(share, deadline) for attempt in attempts]
-    mapping = first_result(going, deadline.charge, threads)
+    mapping = first_result(going, deadline.charge, threads, lambda: deadline.remaining_s)
     if mapping is None:
         return Negotiated(is_far=all(attempt.is_far for attempt in attempts))
     return Negotiated(_checked(mapping, problem))
@@ -79,7 +79,7 @@ def negotiate_each(tries: Sequence[Try], deadline: Deadline, threads: int) -> li
         for one, attempt in zip(tries, begun, strict=True)
         if attempt is not None
     ]
-    found = iter(every_result(going, deadline.charge, threads))
+    found = iter(every_result(going, deadline.charge, threads, lambda: deadline.remaining_s))
     return [None if attempt is None else next(found) for attempt in begun]
 
 
