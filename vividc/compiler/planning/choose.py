@@ -16,14 +16,32 @@ from vividc.compiler.planning.candidates import (
 from vividc.compiler.planning.demands import obey
 from vividc.compiler.planning.estimate import Estimate, Estimator
 from vividc.compiler.planning.fit import fitted, is_far_too_long, version_for_sizes
+from vividc.compiler.planning.gains import (
+    GAIN,
+    GAIN_OF_LARGE,
+    GAIN_WITHOUT_LOOP,
+    LARGE,
+    LITTLE,
+    OPERATIONS_PER_PE,
+    pays_inside,
+)
 from vividc.compiler.planning.interleave import loops_around_waiting
 from vividc.compiler.planning.nests.parts import Restructured, joined_parts, static_part
 from vividc.compiler.planning.nests.restructure import restructured, restructured_together
 from vividc.compiler.planning.options import LoopOptions
-from vividc.compiler.planning.plan import Draft, Plan, Stage, better_last, clearly_better, too_large
+from vividc.compiler.planning.plan import (
+    Decision,
+    Draft,
+    Plan,
+    Stage,
+    better_last,
+    clearly_better,
+    too_large,
+)
 from vividc.compiler.planning.state import State
 from vividc.errors import TimeLimit
 from vividc.host import time_limit
+from vividc.host.processes.beside import Beside
 from vividc.host.watch import seldom
 from vividc.mapper.bounds.refutations import ASSUMED
 from vividc.ssa.analysis.constant_trips import constant_trips
@@ -34,49 +52,6 @@ from vividc.ssa.loops.begun_sums import begun_sums
 from vividc.ssa.parallel.independent import meeting_array
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
-
-_OPERATIONS_PER_PE = {
-    "full unrolling": 24,
-    "unrolling": 12,
-    "masked unrolling": 12,
-    "flattening": 24,
-    "threads": 24,
-    "interleaving": 24,
-    "restructuring": 8,
-    "versioning": 24,
-    "partial results": 12,
-}
-"""A loop's graph may not have more. What lies side by side is mapped soon (367 operations of 8
-modular inverses at their bound in 4 s), and code that is unrolled fully has no other form as good
-(302 operations of morton64 in 2 s). Of the others several sizes are tried: smaller ones come near.
-"""
-
-_GAIN_WITHOUT_LOOP = 0.8
-"""The same where full unrolling leaves no loop around, for code that runs once."""
-
-_GAIN = {
-    "full unrolling": 0.97,
-    "unrolling": 0.9,
-    "masked unrolling": 0.98,
-    "flattening": 0.95,
-    "threads": 0.9,
-    "interleaving": 0.9,
-    "restructuring": 0.9,
-    "versioning": 0.9,
-    "partial results": 0.985,
-}
-"""A transformation must bring the cycles below this share: its overheads vary more with the sizes
-than full unrolling's, which are known.
-"""
-
-_LARGE, _GAIN_OF_LARGE = 256, 0.9
-"""The same with a loop of so many operations (339 of bilateral, at 0.949, map nothing in 19 s)."""
-
-_LITTLE = 0.045
-"""A nest that saves a smaller share of the kernel's cycles is left alone, whatever it gains of its
-own (`_GAIN`): other nests are not restructured yet, and may lose most of theirs. At 0.02 the sums
-of deriche, which save 0.04, take the constant stores that its other loops need.
-"""
 
 _BESIDE = 0.0025
 """Of the cycles: a candidate saves no more than its nest takes, and this at most beside it (of 475
@@ -148,10 +123,11 @@ def choose(
 @dataclass
 class _Chooser(Draft):
     """`forms`: what headers of nests can be given instead, the best last, before it those that are
-    likelier to be mapped.
+    likelier to be mapped. `plain`: the stages and decisions of the way without that, made beside.
     """
 
     forms: dict[str, tuple[Restructured, ...]] = field(default_factory=dict)
+    plain: Beside[tuple[list[Stage], list[Decision]]] | None = None
 
     def improve_in_time(self) -> None:
         """As `improve`; what it has found by the end of its time is kept."""
@@ -181,12 +157,31 @@ class _Chooser(Draft):
                 self.forms = {header: (one.other or one,) for header, one in best.items()}
                 self._way(start, ways, restructure=True, form=0)
             if self.forms:
-                self._way(start, ways, restructure=False)
+                self._go_plain_way(start, ways)
                 ways[-1] = clearly_better(ways[-1], ways[0][-1])
             if self.spare is not None:
                 self._way(self.spare, ways, restructure=self.options.restructure)
         finally:
             self.stages[first:] = better_last(ways)
+            if self.plain is not None:
+                self.plain.stop()
+
+    def _go_plain_way(self, start: Stage, ways: list[list[Stage]]) -> None:
+        """Adds what pays where no nest is restructured."""
+        made = None if self.plain is None else self.plain.result()
+        if made is None:
+            self._way(start, ways, restructure=False)
+            return
+        [(stages, decisions)] = made
+        ways.append(stages)
+        self.decisions += decisions
+
+    def _plain_way(self, start: Stage) -> tuple[list[Stage], list[Decision]]:
+        """The same in a copy of this process."""
+        ways: list[list[Stage]] = []
+        noted = len(self.decisions)
+        self._way(start, ways, restructure=False)
+        return ways[0], self.decisions[noted:]
 
     def _way(
         self,
@@ -218,7 +213,10 @@ class _Chooser(Draft):
         joins
             Whether two nests that go through one matrix become one.
         """
-        self._unroll_fully(self._awaited() if restructure else frozenset())
+        start, awaited = self.now, self._awaited() if restructure else frozenset[str]()
+        if awaited and self.plain is None:
+            self.plain = Beside(lambda: self._plain_way(start))
+        self._unroll_fully(awaited)
         unrolled = self.now.state.made
         if self.options.threads is None:
             for header in self.over_prange():
@@ -338,7 +336,7 @@ class _Chooser(Draft):
         while headers and self.now.estimate.cycles < before:
             before, tried, headers = self.now.estimate.cycles, headers, []
             for header in tried:
-                if self._is_rare(self.now, header, _LITTLE):
+                if self._is_rare(self.now, header, LITTLE):
                     headers.append(header)
                 else:
                     self._restructure(header)
@@ -358,7 +356,7 @@ class _Chooser(Draft):
         for done in found:
             candidate = Candidate("restructuring", header, done.factor)
             reason = self._objection(base, candidate, done.estimate)
-            if reason == _NO_GAIN and _pays_inside(base, header, done.estimate):
+            if reason == _NO_GAIN and pays_inside(base, header, done.estimate):
                 reason = ""
             decision = self.note(base, candidate, done.estimate, reason)
             if not reason:
@@ -454,7 +452,7 @@ class _Chooser(Draft):
     def _evaluate(self, base: Stage, candidate: Candidate) -> Stage | None:
         """The stage after the candidate if it pays; the decision is noted."""
         time_limit.step("loop transformations were chosen")
-        share, limit = _GAIN[candidate.kind], self._most_operations(base, candidate.kind)
+        share, limit = GAIN[candidate.kind], self._most_operations(base, candidate.kind)
         is_rare = self._is_rare(base, changed_by(base.state, candidate), 1.0 - share - _BESIDE)
         reason = _TOO_RARE if is_rare else self.in_vain(base, candidate, limit)
         foreseen = None if reason else self.foreseen(base, candidate, share, limit)
@@ -477,11 +475,11 @@ class _Chooser(Draft):
             return too_large(largest, limit)
         if math.isinf(estimate.cycles):
             return f"it needs more than the {self.estimator.fabric.controller.contexts} contexts"
-        share = _GAIN[candidate.kind]
-        if largest > _LARGE:
-            share = min(share, _GAIN_OF_LARGE)
+        share = GAIN[candidate.kind]
+        if largest > LARGE:
+            share = min(share, GAIN_OF_LARGE)
         if not any(region.kind == "loop" for region in estimate.regions):
-            share = _GAIN_WITHOUT_LOOP
+            share = GAIN_WITHOUT_LOOP
         if estimate.cycles > base.estimate.cycles * share:
             return _NO_GAIN
         return ""
@@ -490,11 +488,4 @@ class _Chooser(Draft):
         """Of a loop: more take too long to map, unless one has more already."""
         loops = (region for region in base.estimate.regions if region.kind == "loop")
         known = max((loop.shape.operations for loop in loops), default=0)
-        return max(_OPERATIONS_PER_PE[kind] * len(self.estimator.fabric.pes), known)
-
-
-def _pays_inside(base: Stage, header: str, estimate: Estimate) -> bool:
-    """Whether a restructured nest gains of its own cycles what a kernel has to gain."""
-    saved = base.estimate.cycles - estimate.cycles
-    least = (1.0 - _GAIN["restructuring"]) * base.cycles_in(header)
-    return saved >= max(least, _LITTLE * base.estimate.cycles)
+        return max(OPERATIONS_PER_PE[kind] * len(self.estimator.fabric.pes), known)

@@ -57,7 +57,7 @@ class Ahead(Generic[_Job, _Done]):
         self._open: deque[tuple[int, _Job]] = deque()
         self._done: dict[int, tuple[_Done] | None] = {}
         self._copy: _Copy | None = None
-        self._is_able = _may_be_copied()
+        self._is_able = may_be_copied()
 
     def begin(self, jobs: Mapping[Hashable, _Job], *, perhaps: bool = False) -> None:
         """Have these done, by name, in their order, those that are not known yet; `perhaps`: when
@@ -228,7 +228,7 @@ def _pickled(do: Callable[[_Job], _Done], job: _Job) -> bytes:
         return b""
 
 
-def _may_be_copied() -> bool:
+def may_be_copied() -> bool:
     """Whether there is a core for a copy, and no thread that may hold what the copy needs."""
     if sys.platform != "linux" or len(os.sched_getaffinity(0)) == 1:
         return False
