@@ -191,7 +191,7 @@ class _Climb:
             tree = order
             for number, group in enumerate(jammed):
                 self.trees.stored = STORED * (number + 1) / len(jammed)
-                tree = self._jammed(tree, group)
+                tree = self._jammed(tree, group, is_last=number + 1 == len(jammed))
             self._mask_otherwise()
             least = min((one.cycles for one in made), default=math.inf)
             if any(one.cycles < _BETTER * least for one in self.trees.all_made):
@@ -230,12 +230,10 @@ class _Climb:
         """Masks one loop after the other of the best form, if it is not masked, or no longer, where
         that is better: what columns next to each other load is carried if rows alone are masked.
         """
-        best = min(self.trees.all_made, key=lambda one: one.cycles, default=None)
-        if best is None or has_skews(best.tree):
+        best = self._expect_otherwise()
+        if best is None:
             return
         loops = {path: loop for path, loop in loops_in(best.tree) if loop.factor > 1}
-        trees = [self._otherwise(best.tree, path, loop) for path, loop in loops.items()]
-        self.trees.expect(tree for tree in trees if describe(tree) not in self._masked)
         for path, loop in loops.items():
             tree = self._otherwise(best.tree, path, loop)
             name = describe(tree)
@@ -248,6 +246,16 @@ class _Climb:
                 continue
             if made.estimate.least < best.estimate.least:
                 best = self.trees.tried[name] = made
+
+    def _expect_otherwise(self) -> Restructured | None:
+        """Has the best form so far made ahead with one mask changed; None: it has no other ones."""
+        best = min(self.trees.all_made, key=lambda one: one.cycles, default=None)
+        if best is None or has_skews(best.tree):
+            return None
+        loops = ((path, loop) for path, loop in loops_in(best.tree) if loop.factor > 1)
+        trees = (self._otherwise(best.tree, path, loop) for path, loop in loops)
+        self.trees.expect(tree for tree in trees if describe(tree) not in self._masked)
+        return best
 
     def _otherwise(self, tree: Loop, path: Path, loop: Loop) -> Loop:
         """The tree with this loop of it masked, or no longer."""
@@ -329,8 +337,10 @@ class _Climb:
         """The factors of a group that are tried first."""
         return OF_SKEWED if _is_tile(tree, group) else FACTORS[len(group) == 1]
 
-    def _jammed(self, tree: Loop, group: tuple[Path, ...]) -> Loop:
-        """The tree with the best factors of a group of its loops, or none."""
+    def _jammed(self, tree: Loop, group: tuple[Path, ...], *, is_last: bool) -> Loop:
+        """The tree with the best factors of a group of its loops, or none. After the last one the
+        best form of all is masked otherwise, mostly one that is known before all have been tried.
+        """
         first = of_group(group, self._first(tree, group))
         masked = self._is_better_masked(tree, first)
         found = self._tried_factors(tree, group, masked=masked)
@@ -338,6 +348,8 @@ class _Climb:
         if not (has_skews(tree) or self._is_clear(tree, first)):
             best = min(found, key=lambda one: self.trees.cycles(found[one]))
             trees.append(self._with(tree, of_group(group, best), not masked))
+        if is_last:
+            self._expect_otherwise()
         made = [one for one in map(self.trees.attempt, trees) if one is not None]
         return surest(made, self.trees.estimator).tree if made else tree
 
