@@ -101,6 +101,8 @@ class _Finder(ast.NodeVisitor):
                 self.found.add("np.where")
             if name == "sort":
                 self.found.add("sort")
+            if getattr(of, "id", "") == "made":
+                self.found.add("list that grows")
         self.generic_visit(node)
 
 

@@ -9,6 +9,7 @@ from random import Random
 
 from tests.fuzz.aggregates import AGGREGATES, METHODS
 from tests.fuzz.constants import Constant, random_constant
+from tests.fuzz.lists import with_list
 from tests.fuzz.places import Array, Places
 from tests.fuzz.returned import returned
 from tests.fuzz.statements import Program
@@ -107,6 +108,9 @@ def random_source(seed: int) -> str:
     )
     _with_arrays(program)
     body = _body(program)
+    with_one = Random(f"list {seed}")
+    if with_one.random() < _LISTS:
+        body = with_list(with_one, body)
     other = Random(-seed)  # the programs of before stay as they were
     if body.count("return ") == 1 and other.random() < _RETURNING:
         arrays = [a for a in (*params, *own) if a.name != "g" and _uses(body, a.name)]
@@ -118,6 +122,8 @@ def random_source(seed: int) -> str:
 
 _DEEP = 0.1
 """Share of the programs that have an array of four or five dimensions."""
+_LISTS = 0.1
+"""Share of the programs that have a list which grows."""
 _RETURNING = 0.2
 """Share of the programs that return arrays and tuples."""
 OFTEN = 0.5
