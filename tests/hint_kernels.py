@@ -64,40 +64,6 @@ def storing(x, y, n):
     y[0] = x[0]
 
 
-def steps(x, y, n):
-    for i in range(0, len(x), n):
-        y[i] = x[i]
-
-
-def positive_steps(x, y, n):
-    if n < 1:
-        return
-    for i in range(0, len(x), n):
-        y[i] = x[i]
-
-
-def slice_step(x, y, n):
-    y[:] = x[::n]
-
-
-def positive_slice_step(x, y, n):
-    if n < 1:
-        return
-    y[:] = x[::n]
-
-
-def lists(x, y, n):
-    t = []
-    t.append(n)
-    y[0] = t[0]
-
-
-def arrays(x, y, n):
-    t = np.zeros(16, np.float32)
-    t[0] = n
-    y[0] = t[0]
-
-
 def dicts(x, y, n):
     t = {1: n}
     y[0] = t[1]

@@ -194,13 +194,6 @@ ROWS = {
     "print": Row(
         lambda: lowered(k.printing), "store the values into an array", lambda: lowered(k.storing)
     ),
-    "step of a range": Row(
-        lambda: lowered(k.steps), "if step < 1: return", lambda: lowered(k.positive_steps)
-    ),
-    "step of a slice": Row(
-        lambda: lowered(k.slice_step), "if step < 1: return", lambda: lowered(k.positive_slice_step)
-    ),
-    "list": Row(lambda: lowered(k.lists), r"np\.zeros\(16", lambda: lowered(k.arrays)),
     "dict": Row(lambda: lowered(k.dicts), "keys as indices", lambda: lowered(k.keys_as_indices)),
     "truth": Row(lambda: lowered(k.truth), r"\.any\(\)", lambda: lowered(k.truth_of_some)),
     "try": Row(lambda: lowered(k.tries), "test the condition", lambda: lowered(k.tested)),

@@ -37,12 +37,6 @@ def unknown_attribute(x, n):
     x.frobnicate(n)
 
 
-def makes_a_list(x, n):
-    values = [1.0, 2.0]
-    values.append(3.0)
-    x[0] = values[n]
-
-
 def never_ends(x, n):
     while True:
         x[0] += 1
@@ -61,7 +55,6 @@ FLOAT_KERNELS: list[tuple[Callable[..., object], int, str]] = [
     (prints, 2, "`print`"),
     (catches, 1, "`try`"),
     (unknown_attribute, 1, "frobnicate"),
-    (makes_a_list, 1, "a list"),
     (never_ends, 1, "never ends"),
     (recurses, 2, "recursi"),
 ]

@@ -130,7 +130,7 @@ def new_board(task: Task, cycles: int, room: int, loops: Sequence[Taken] = ()) -
 
 def _take(cells: Ints, begin: Begin, grid: Grid, node: int, taken: Taken, cycles: int) -> None:
     """What a loop takes is taken for ever, in the name of a node that there is not. A register
-    that one which begins writes is no other's.
+    that one which begins writes is no other's, and no port is shared with one that may begin later.
     """
     by_pe = (
         (begin.issued, taken.issued),
@@ -156,7 +156,8 @@ def _take(cells: Ints, begin: Begin, grid: Grid, node: int, taken: Taken, cycles
     for by_file, by_register, some_words in ports:
         for pe, register, cycle in (one for one in some_words if one[-1] <= cycles):
             cells[by_file + cycle * grid.pes + pe] += 1
-            cells[by_register + cycle * grid.places + grid.first[pe] + register] = 1
+            if by_register != begin.read or not isinstance(taken, Fill):
+                cells[by_register + cycle * grid.places + grid.first[pe] + register] = 1
 
 
 # --- changes ---
