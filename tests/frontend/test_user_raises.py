@@ -137,6 +137,33 @@ def test_a_text_that_does_not_fit_its_numbers_is_not_sound(
     assert Raise("ValueError", f"{PLACE}!", numbers=("int",)).said([]) == ""
 
 
+def changed(x, n):
+    text = f"n is {n}"
+    n = n + 1
+    if n > 3:
+        raise ValueError(text)
+    return n
+
+
+def changed_in_a_loop(x, n):
+    k = n
+    for i in range(4):
+        if x[i] > 1:
+            k += 1
+            raise ValueError(f"{k} at {i}")
+    return k
+
+
+@pytest.mark.parametrize(("function", "text"), [(changed, "n is 5"), (changed_in_a_loop, "6 at 2")])
+def test_a_text_says_numbers_as_they_were(function: Callable[..., object], text: str) -> None:
+    kernel = vividc.kernel("(float32[::1], int64)")(function)
+    program = words_in_blocks(kernel.lower())
+    x = np.array([0.5, -1, 2, 3], np.float32)
+    for run in (kernel, lambda *given: vividc.simulate(program, *given)):
+        with pytest.raises(ValueError, match=text):
+            run(x, 5)
+
+
 def stepping(x, n):
     total = np.float32(0)
     for i in range(0, len(x), n):

@@ -46,8 +46,21 @@ class _Texts(rewrites.Rewrite):  # type: ignore[misc]
             return False
         self._gone = {last.exception.name, made.func.name}
         self._parts = self._said(func_ir, made.args)
-        says = any(isinstance(part, ir.Var) for part in self._parts)
-        return says and not any(map(self._uses, self._statements()))
+        numbers = [part for part in self._parts if isinstance(part, ir.Var)]
+        if not numbers or any(map(self._uses, self._statements())):
+            return False
+        return not any(self._is_changed(func_ir, number) for number in numbers)
+
+    def _is_changed(self, func_ir: Any, number: Any) -> bool:
+        """Whether a number may be another one at the raise than when the text was made."""
+        if len(func_ir._definitions.get(number.name, ())) <= 1:
+            return False
+        body = self._block.body
+        made = [at for at, s in enumerate(body) if self._is_gone(s)]
+        if len(made) < sum(map(self._is_gone, self._statements())):  # in other blocks, too
+            return True
+        later = body[min(made) :]
+        return any(isinstance(s, ir.Assign) and s.target.name == number.name for s in later)
 
     def _statements(self) -> Iterator[Any]:
         """All others."""
