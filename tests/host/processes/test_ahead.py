@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
 import time
 from pathlib import Path
 
 import pytest
+
+from tests.host.processes import scripts
 
 pytestmark = pytest.mark.skipif(
     sys.platform != "linux" or len(os.sched_getaffinity(0)) == 1,
@@ -29,13 +30,8 @@ def other(name):
 
 
 def printed(script: str, folder: Path) -> str:
-    """What a script prints in a process of its own, which has one thread as a compiler has."""
-    command = [sys.executable, "-c", BEGIN + script]
-    done = subprocess.run(
-        command, capture_output=True, text=True, timeout=60, check=False, cwd=folder
-    )
-    assert not done.stderr
-    return done.stdout
+    """What a script prints, which begins as all do."""
+    return scripts.printed(BEGIN + script, folder)
 
 
 def test_jobs_are_done_by_the_copy_and_by_the_process_itself(tmp_path: Path) -> None:

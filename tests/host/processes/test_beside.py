@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from tests.host.processes import scripts
 
 pytestmark = pytest.mark.skipif(
     sys.platform != "linux" or len(os.sched_getaffinity(0)) == 1,
@@ -24,13 +25,8 @@ here = os.getpid()
 
 
 def printed(script: str, folder: Path) -> str:
-    """What a script prints in a process of its own, which has one thread as a compiler has."""
-    command = [sys.executable, "-c", BEGIN + script]
-    done = subprocess.run(
-        command, capture_output=True, text=True, timeout=60, check=False, cwd=folder
-    )
-    assert not done.stderr
-    return done.stdout
+    """What a script prints, which begins as all do."""
+    return scripts.printed(BEGIN + script, folder)
 
 
 def test_it_is_done_elsewhere_and_what_changes_later_is_not_seen(tmp_path: Path) -> None:

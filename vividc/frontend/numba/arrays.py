@@ -94,22 +94,26 @@ def _allocate(context: Any, builder: ir.IRBuilder, arrtype: Any, shapes: Any) ->
     strides = strides[: arrtype.ndim]
     if arrtype.layout == "C":
         strides.reverse()
-    pointer = context.get_data_type(arrtype.dtype).as_pointer()
-    callee = cgutils.get_or_insert_function(
-        builder.module, ir.FunctionType(pointer, (_I64,)), f"{ALLOCATE}{arrtype.dtype}"
-    )
-    callee.attributes.add("nounwind")
-    callee.attributes.add("inaccessiblememonly")
-    callee.return_value.add_attribute("noalias")
     arrayobj.populate_array(
         array,
-        data=builder.call(callee, (count,)),
+        data=allocated(context, builder, arrtype.dtype, count),
         shape=cgutils.pack_array(builder, shapes, ty=_I64),
         strides=cgutils.pack_array(builder, strides, ty=_I64),
         itemsize=itemsize,
         meminfo=None,
     )
     return array
+
+
+def allocated(context: Any, builder: ir.IRBuilder, dtype: Any, count: Any) -> Any:
+    """The first of so many elements of numba's type that the kernel makes: a call of `ALLOCATE`."""
+    pointer = context.get_data_type(dtype).as_pointer()
+    signature = ir.FunctionType(pointer, (_I64,))
+    callee = cgutils.get_or_insert_function(builder.module, signature, f"{ALLOCATE}{dtype}")
+    callee.attributes.add("nounwind")
+    callee.attributes.add("inaccessiblememonly")
+    callee.return_value.add_attribute("noalias")
+    return builder.call(callee, (count,))
 
 
 def _memset(builder: ir.IRBuilder, pointer: Any, size: Any, value: int) -> None:

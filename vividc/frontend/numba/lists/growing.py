@@ -3,7 +3,7 @@
 A list is a length and an array for each number of its elements (a tuple has several, a complex
 number two). Numba's lowering of lists is kept, on this other memory. How many elements an array
 must hold is found behind LLVM, from calls of `FITS`, of which there is one wherever a list becomes
-longer: `memory.capacities` has the bound of the length that is known at launch, or lets the run
+longer: `ranges.capacities` has the bound of the length that is known at launch, or lets the run
 test it.
 
 The length and the arrays' places are variables of the function that makes the list, at one place in
@@ -20,7 +20,8 @@ from llvmlite import ir
 from numba.core import cgutils, errors, types
 from numba.cpython import listobj
 
-from vividc.frontend.llvm.calls import ALLOCATE, AS_NEEDED, FITS, OVERFLOW
+from vividc.frontend.llvm.calls import AS_NEEDED, FITS, OVERFLOW
+from vividc.frontend.numba.arrays import allocated
 from vividc.lang.formats import MISUSE
 
 _I64 = ir.IntType(64)
@@ -183,7 +184,8 @@ class _List(_Stored, listobj.ListInstance):  # type: ignore[misc]
         made._list.parent = context.get_constant_null(types.pyobject)
         length = made._payload
         for number, leaf in enumerate(_leaves(list_type.dtype)):
-            length.place(number, _new_array(context, builder, leaf))
+            array = allocated(context, builder, leaf, _I64(AS_NEEDED))
+            length.place(number, array)
         length.size = _I64(0)
         made._demand(_I64(nitems) if isinstance(nitems, int) else nitems)
         return cgutils.true_bit, made
@@ -226,18 +228,6 @@ def _begin_life(builder: ir.IRBuilder, variable: Any) -> None:
     signature = ir.FunctionType(ir.VoidType(), [_I64, pointer])
     start = cgutils.get_or_insert_function(builder.module, signature, "llvm.lifetime.start.p0")
     builder.call(start, (_I64(-1), builder.bitcast(variable, pointer)))
-
-
-def _new_array(context: Any, builder: ir.IRBuilder, leaf: Any) -> Any:
-    """An array of as many numbers as will be needed."""
-    pointer = context.get_data_type(leaf).as_pointer()
-    signature = ir.FunctionType(pointer, (_I64,))
-    symbol = f"{ALLOCATE}{'bool' if isinstance(leaf, types.Boolean) else leaf}"
-    callee = cgutils.get_or_insert_function(builder.module, signature, symbol)
-    callee.attributes.add("nounwind")
-    callee.attributes.add("inaccessiblememonly")
-    callee.return_value.add_attribute("noalias")
-    return builder.call(callee, (_I64(AS_NEEDED),))
 
 
 class _ListIterator(_Stored, listobj.ListIterInstance):  # type: ignore[misc]
