@@ -11,7 +11,7 @@ import pytest
 from tests.fuzz.renamed import random_source
 from tests.fuzz.slices import Search
 from tests.kept import modules_made_anew
-from vividc.frontend.memory import by_array
+from vividc.frontend.memory.arrays import by_array
 
 
 @pytest.mark.parametrize("seed", [2, 3, 4])

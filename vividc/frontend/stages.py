@@ -12,12 +12,12 @@ from functools import wraps
 from typing import Final
 
 from vividc.errors import KernelError
+from vividc.frontend.memory.arrays.local_arrays import OwnArray, keep_accessed, own_arrays
+from vividc.frontend.memory.arrays.results import hold_results
 from vividc.frontend.memory.flags import load_flags
-from vividc.frontend.memory.local_arrays import OwnArray, keep_accessed, own_arrays
 from vividc.frontend.memory.null_choices import drop_null_choices
 from vividc.frontend.memory.overlap import fold_overlaps
 from vividc.frontend.memory.resolve import resolve_memory
-from vividc.frontend.memory.results import hold_results
 from vividc.frontend.memory.subword import extend_loads, store_low_bits
 from vividc.frontend.memory.traps import trap_raises
 from vividc.frontend.narrow.floor_division import recover_divisions, sign_quotients

@@ -23,7 +23,7 @@ from vividc.frontend.llvm.passes import ENTRY
 from vividc.frontend.llvm.reader import read_function, signature
 from vividc.frontend.llvm.tokens import Structs
 from vividc.frontend.lower import counting_parameters, located, lower_words
-from vividc.frontend.memory.local_arrays import RAW
+from vividc.frontend.memory.arrays.local_arrays import RAW
 from vividc.frontend.refused.length import refuse_long
 from vividc.frontend.stages import without_pointers
 from vividc.host.watch import run_passes

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.advice import Advice
-from vividc.frontend.memory.by_array import apart, choices_of, merges, mixed_choices, related
-from vividc.frontend.memory.local_arrays import OwnArray, as_words, in_words, wide_access
-from vividc.frontend.memory.places import is_returned_array
+from vividc.frontend.memory.arrays.by_array import apart, choices_of, merges, mixed_choices, related
+from vividc.frontend.memory.arrays.local_arrays import OwnArray, as_words, in_words, wide_access
+from vividc.frontend.memory.arrays.places import is_returned_array
 from vividc.frontend.memory.pointer_math import compare_pointers, differences, without_freezes
 from vividc.frontend.memory.unmerge import split_merged_loads
 from vividc.host import time_limit

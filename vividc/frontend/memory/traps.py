@@ -13,7 +13,7 @@ import re
 from dataclasses import replace
 
 from vividc.frontend.llvm.calls import RAISE_PREFIX, TRAP_PREFIX
-from vividc.frontend.memory.local_arrays import OwnArray
+from vividc.frontend.memory.arrays.local_arrays import OwnArray
 from vividc.machine.params import TRAP, LocalArray
 from vividc.ssa.ir import Branch, Float, Function, Instr, Int, Value
 

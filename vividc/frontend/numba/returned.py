@@ -2,7 +2,7 @@
 
 Numba writes a returned value through a pointer. The entry function reads its scalars and arrays
 from there, each a leaf, and hands them to calls of `RETURNED`, which pass through LLVM;
-`frontend.memory.results` finds out afterwards where the arrays lie.
+`frontend.memory.arrays.results` finds out afterwards where the arrays lie.
 """
 
 from __future__ import annotations

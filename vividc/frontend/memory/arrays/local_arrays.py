@@ -17,11 +17,11 @@ import numpy as np
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.advice import Advice
 from vividc.frontend.llvm.calls import ALLOCATE, COPY
-from vividc.frontend.memory.by_array import is_allocation
+from vividc.frontend.memory.arrays.by_array import is_allocation
+from vividc.frontend.memory.arrays.capacities import with_capacities
+from vividc.frontend.memory.arrays.places import placed
 from vividc.frontend.memory.pick import expand_picks
-from vividc.frontend.memory.places import placed
 from vividc.frontend.memory.tables import PACKED_BYTES, Table, packed_words_of, tables_of, words_of
-from vividc.frontend.ranges.capacities import with_capacities
 from vividc.frontend.ranges.launch_sizes import LaunchSizes
 from vividc.lang.numba_words import plain
 from vividc.machine.params import Formula, LocalArray, base_of

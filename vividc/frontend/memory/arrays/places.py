@@ -10,7 +10,7 @@ from typing import Final
 
 from vividc.errors import KernelError
 from vividc.frontend.llvm.calls import RETURNED, RETURNED_ARRAY
-from vividc.frontend.memory.by_array import apart, base_of, related, roots_of
+from vividc.frontend.memory.arrays.by_array import apart, base_of, related, roots_of
 from vividc.machine.params import Formula, LocalArray
 from vividc.ssa.edit import replaced
 from vividc.ssa.flow import flow_of

@@ -13,8 +13,8 @@ from typing import Final
 
 from vividc.errors import KernelError
 from vividc.frontend.llvm.calls import RETURNED, RETURNED_ARRAY
-from vividc.frontend.memory.local_arrays import OwnArray
-from vividc.frontend.memory.places import is_returned, is_returned_array
+from vividc.frontend.memory.arrays.local_arrays import OwnArray
+from vividc.frontend.memory.arrays.places import is_returned, is_returned_array
 from vividc.frontend.ranges.exact import exact_formula
 from vividc.machine.params import DType, Formula, Param
 from vividc.machine.words import WORD_BYTES

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from vividc.frontend.llvm.calls import FITS, MOST_NEEDED
-from vividc.frontend.memory.by_array import roots_of
+from vividc.frontend.memory.arrays.by_array import roots_of
 from vividc.frontend.ranges.launch_sizes import LaunchSizes
 from vividc.machine.params import Formula
 from vividc.ssa.ir import Block, Function, Instr, Int, Key
