@@ -1,5 +1,5 @@
 """Functions of `math` and numpy that stand in for numba's on our target, written once in Python.
 
 In order: `math` (elementary functions), `linalg` (products), `solve` (of systems of equations),
-`where`; `less` (orders of elements), `order` (`argsort`), `sort`.
+`where`, `triangles` (`triu`, `tril`); `less` (orders of elements), `order` (`argsort`), `sort`.
 """
