@@ -3,8 +3,8 @@
 A list is a length and an array for each number of its elements (a tuple has several, a complex
 number two). Numba's lowering of lists is kept, on this other memory. How many elements an array
 must hold is found behind LLVM, from calls of `FITS`, of which there is one wherever a list becomes
-longer: `ranges.capacities` has the bound of the length that is known at launch, or lets the run
-test it.
+longer: `memory.arrays.capacities` has the bound of the length that is known at launch, or lets
+the run test it.
 
 The length and the arrays' places are variables of the function that makes the list, at one place in
 the kernel that it becomes part of: what a line makes in each iteration lies there (`kept`).
