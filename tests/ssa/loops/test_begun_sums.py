@@ -70,7 +70,6 @@ def test_a_sum_begins_with_what_it_is_added_to(adds: str, last: str, start: str)
         {"start": "0x3f800000"},
         {"last": "fsub %3, %0"},
         {"last": "fmul %0, %3"},
-        {"last": "fadd %9, %3"},
         {"last": "fadd %3, %3"},
         {"adds": "fsub %3, %6"},
         {"adds": "fma %3, %6, %6"},
@@ -80,4 +79,28 @@ def test_a_sum_begins_with_what_it_is_added_to(adds: str, last: str, start: str)
 )
 def test_other_sums_stay(other: dict[str, str]) -> None:
     before = loop(**other)
+    assert begun_sums(before) is before
+
+
+def test_what_is_loaded_behind_the_loop_is_loaded_before_it() -> None:
+    before = loop(last="fadd %9, %3")
+    after = begun_sums(before)
+    assert check_function(after) == []
+    assert run(after) == run(before)
+    assert [instr.op for instr in after.by_name["b3"].instrs] == [Opcode.STORE]
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("  %2 i32 = add", '  %10 none = store $"&y", 0x1, %4 array "y" shift 2\n  %2 i32 = add'),
+        ("  %9 f32", '  %10 none = store $"&y", 0x1, 0x0 array "y" shift 2\n  %9 f32'),
+        ('%9 f32 = load $"&y", 0x1', '%9 f32 = load $"&y", %1'),
+    ],
+    ids=["stored in the loop", "stored behind it", "the counter says where"],
+)
+def test_loads_stay_where_the_loop_may_change_what_they_find(old: str, new: str) -> None:
+    text = LOOP.format(adds="fadd %3, %6", last="fadd %9, %3", start="0x0", stored="%7")
+    assert old in text
+    before = function(text.replace(old, new, 1))
     assert begun_sums(before) is before

@@ -16,6 +16,7 @@ from vividc.compiler.planning.candidates import Candidate
 from vividc.compiler.planning.plan import Draft, Stage
 from vividc.compiler.planning.state import State
 from vividc.ssa.analysis.frequency import EQUAL
+from vividc.ssa.loops.begun_sums import begun_sums
 from vividc.ssa.loops.factored_sums import factored_sums
 from vividc.ssa.loops.sizes.versions import for_sizes, without_arrays_between
 from vividc.ssa.rewrite.tidy import tidy
@@ -62,7 +63,7 @@ def version_for_sizes(draft: Draft) -> None:
     hints = {**state.hints, **others, made.entered: 1.0 - EQUAL}
     both = made.function
     if draft.estimator.options.reassociate:
-        both = factored_sums(both)
+        both = begun_sums(factored_sums(both))
     changed = replace(state, function=tidy(both), hints=hints)
     stage = Stage(changed, draft.estimator.estimate(changed.function, hints))
     is_as_good = stage.estimate.cycles < _AS_GOOD * draft.now.estimate.cycles

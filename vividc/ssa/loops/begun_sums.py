@@ -11,9 +11,9 @@ from collections import Counter
 from dataclasses import replace
 from typing import Final
 
-from vividc.machine.opcodes import Opcode
+from vividc.machine.opcodes import MEMORY, Opcode
 from vividc.ssa.edit import read_values, replaced, with_blocks
-from vividc.ssa.flow import Loop, find_loops, flow_of
+from vividc.ssa.flow import Loop, find_loops, flow_of, predecessors, preheader_of
 from vividc.ssa.ir import Block, Const, Function, Instr, Phi, Ref, Value, definition_of
 
 _ZEROS: Final = (Const(0), Const(0x80000000))
@@ -43,9 +43,11 @@ def _begun(function: Function, loop: Loop, phi: Phi) -> Function | None:
     if last is None or uses[Ref(phi.id)] != len((added, last)) or uses[Ref(added.id)] != 1:
         return None
     start = next(value for value in last.operands if value != Ref(phi.id))
-    home = function.block_of[last.id]
-    if home in loop.blocks or not _is_before(function, start, loop):
+    if function.block_of[last.id] in loop.blocks:
         return None
+    if not _is_before(function, start, loop):
+        moved = _loaded_before(function, start, loop)
+        return None if moved is None else _begun(moved, loop, phi)
     terms = tuple(value for value in added.operands if value != Ref(phi.id))
     is_product = added.op is Opcode.FMA
     operands = (*terms, Ref(phi.id)) if is_product else (Ref(phi.id), *terms)
@@ -80,6 +82,41 @@ def _last(function: Function, phi: Phi, added: Instr) -> Instr | None:
             is_taken = one.op is Opcode.FSUB and one.operands[1] == Ref(phi.id)
             return one if one.op is Opcode.FADD or is_taken else None
     return None
+
+
+def _loaded_before(function: Function, start: Value, loop: Loop) -> Function | None:
+    """With what is loaded right behind a loop loaded before it; None if it may be stored between,
+    or where it lies is not known before.
+    """
+    load, entry = definition_of(function, start), preheader_of(function, loop)
+    exits = {target for _, target in loop.exits}
+    if not isinstance(load, Instr) or load.op is not Opcode.LOAD:
+        return None
+    home = function.by_name[function.block_of[load.id]]
+    follows = exits == {home.name} and predecessors(function)[home.name] == (loop.header,)
+    if not follows or len(function.by_name[entry].branch.successors) != 1:
+        return None
+    needed = _needed(function, load, home, loop)
+    passed = [i for name in loop.blocks for i in function.by_name[name].instrs]
+    passed += home.instrs[: home.instrs.index(load)]
+    if needed is None or any(i.op is Opcode.STORE and i.array == load.array for i in passed):
+        return None
+    rest = tuple(instr for instr in home.instrs if instr not in needed)
+    before = function.by_name[entry]
+    changed = [replace(home, instrs=rest), replace(before, instrs=(*before.instrs, *needed))]
+    return with_blocks(function, changed)
+
+
+def _needed(function: Function, load: Instr, home: Block, loop: Loop) -> list[Instr] | None:
+    """A load and what its block computes for it; None if it needs what the loop leaves."""
+    needed = [load]
+    for instr in reversed(home.instrs[: home.instrs.index(load)]):
+        if any(Ref(instr.id) in other.operands for other in needed):
+            needed.insert(0, instr)
+    own = {Ref(instr.id) for instr in needed}
+    values = {value for instr in needed for value in instr.operands} - own
+    is_pure = all(instr.op not in MEMORY for instr in needed[:-1])
+    return needed if is_pure and all(_is_before(function, v, loop) for v in values) else None
 
 
 def _is_before(function: Function, value: Value, loop: Loop) -> bool:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
+
 import numpy as np
 import pytest
 
@@ -14,12 +16,15 @@ from vividc.ssa.interpret import interpret
 from vividc.ssa.ir import Function
 from vividc.ssa.polyhedral.generate import generate
 from vividc.ssa.polyhedral.loops import loops_of
-from vividc.ssa.polyhedral.orders.search import together
+from vividc.ssa.polyhedral.orders.in_memory import in_memory
+from vividc.ssa.polyhedral.orders.joined import divided, together
 from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.scop import Scop
-from vividc.ssa.polyhedral.trees import tree_of
+from vividc.ssa.polyhedral.trees import Loop, tree_of
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
+
+Search = Callable[[Loop, Relations], Iterable[Loop]]
 
 SIGNATURE = "void(float32[:, ::1], float32[::1], float32[::1], float32[::1])"
 
@@ -33,6 +38,21 @@ def rows_and_columns(b, x, y, z):
     for i in range(b.shape[1]):
         for j in range(b.shape[0]):
             y[i] += b[j, i] * z[j]
+
+
+@vividc.kernel(SIGNATURE)
+def sums_in_scalars(b, x, y, z):
+    """As `rows_and_columns`, with sums that scalars keep until they are stored."""
+    for i in range(b.shape[0]):
+        total = np.float32(0.0)
+        for j in range(b.shape[1]):
+            total += b[i, j] * z[j]
+        x[i] = total
+    for i in range(b.shape[1]):
+        total = np.float32(0.0)
+        for j in range(b.shape[0]):
+            total += b[j, i] * z[j]
+        y[i] = total
 
 
 @vividc.kernel(SIGNATURE)
@@ -62,16 +82,36 @@ def parts_of(function: Function) -> list[Scop]:
     return [part for _, _, part in joined_parts(state)]
 
 
-def trees_of(part: Scop) -> list[Function]:
+def trees_of(part: Scop, search: Search = together) -> list[Function]:
     """The functions in which two nests are one."""
     relations = Relations(part)
     found = []
-    for tree in together(tree_of(part), relations):
+    for tree in search(tree_of(part), relations):
         loops = loops_of(tree, relations)
         made = loops if isinstance(loops, Refusal) else generate(part, loops)
         if not isinstance(made, Refusal):
             found.append(tidy(made.function))
     return found
+
+
+def loads_inside(function: Function) -> int:
+    """Loads of the matrix in innermost loops."""
+    loops = find_loops(function)
+    inner = [a for a in loops if not any(b.header in a.blocks - {a.header} for b in loops)]
+    inside = {name for loop in inner for name in loop.blocks}
+    instrs = (i for block in function.blocks if block.name in inside for i in block.instrs)
+    return sum(i.array == "b" for i in instrs)
+
+
+def demand_same(function: Function, made: Function) -> None:
+    """Both compute the same of four matrices."""
+    for rows, columns in ((0, 3), (1, 1), (5, 9), (9, 4)):
+        chance = np.random.default_rng(1)
+        given = [chance.random((rows, columns)), *chance.random((3, 9))]
+        mine, theirs = ([one.astype(np.float32) for one in given] for _ in "12")
+        interpret(function, *mine)
+        interpret(made, *theirs)
+        assert all(np.array_equal(a, b) for a, b in zip(mine, theirs, strict=True))
 
 
 def test_a_matrix_is_loaded_once_for_rows_and_columns() -> None:
@@ -80,25 +120,24 @@ def test_a_matrix_is_loaded_once_for_rows_and_columns() -> None:
     [part] = parts_of(function)
     trees = trees_of(part)
     assert len(trees) == 8
-    loads = []
     for made in trees:
-        loops = find_loops(made)
-        inner = [a for a in loops if not any(b.header in a.blocks - {a.header} for b in loops)]
-        inside = {name for loop in inner for name in loop.blocks}
-        instrs = (i for block in made.blocks if block.name in inside for i in block.instrs)
-        loads.append(sum(i.array == "b" for i in instrs))
-        for rows, columns in ((0, 3), (1, 1), (5, 9), (9, 4)):
-            chance = np.random.default_rng(1)
-            given = [chance.random((rows, columns)), *chance.random((3, 9))]
-            mine, theirs = ([one.astype(np.float32) for one in given] for _ in "12")
-            interpret(function, *mine)
-            interpret(made, *theirs)
-            assert all(np.array_equal(a, b) for a, b in zip(mine, theirs, strict=True))
-    assert 1 in loads
+        demand_same(function, made)
+    assert 1 in map(loads_inside, trees)
+
+
+def test_sums_begin_in_loops_of_their_own() -> None:
+    """Only once they wait in memory the nests may be one around one load of the matrix."""
+    function = tidy(sums_in_scalars.lower())
+    [part] = parts_of(function)
+    assert 1 not in map(loads_inside, trees_of(part))
+    trees = trees_of(in_memory(part), divided)
+    for made in trees:
+        demand_same(function, made)
+    assert 1 in map(loads_inside, trees)
 
 
 @pytest.mark.parametrize(("tested", "parts"), [(from_the_end, 1), (of_vectors, 0)])
 def test_no_order_makes_them_one(tested: vividc.KernelFunction, parts: int) -> None:
     found = parts_of(tidy(tested.lower()))
     assert len(found) == parts
-    assert not any(trees_of(part) for part in found)
+    assert not any(trees_of(part, search) for part in found for search in (together, divided))

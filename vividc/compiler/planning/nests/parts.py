@@ -30,7 +30,7 @@ from vividc.ssa.rewrite.tidy import tidy
 _PLANE = 2
 """Loops and subscripts of nests that are joined: they go through a matrix once."""
 
-_MOST_JOINED = 4
+_MOST_JOINED = 16
 """Loops in no other one of a kernel whose nests are joined. More take too long to plan: correlation
 132 s instead of 52 for 0.3 % of its cycles, deriche 89 s instead of 44 for 8 %.
 """

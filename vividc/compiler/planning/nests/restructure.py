@@ -6,7 +6,7 @@ Every tree of loops that is tried is legal by exact dependences; the estimate ch
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -37,6 +37,8 @@ from vividc.compiler.planning.nests.parts import (
 )
 from vividc.compiler.planning.nests.trees import STORED, Trees, side_by_side
 from vividc.compiler.planning.state import State
+from vividc.ssa.polyhedral.orders.in_memory import in_memory
+from vividc.ssa.polyhedral.orders.joined import divided, together
 from vividc.ssa.polyhedral.orders.search import (
     Path,
     at,
@@ -46,9 +48,9 @@ from vividc.ssa.polyhedral.orders.search import (
     has_skews,
     loops_in,
     orders,
-    together,
     with_factors,
 )
+from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.scop import Scop
 from vividc.ssa.polyhedral.trees import Loop, tree_of
 from vividc.ssa.rewrite.refusal import Refusal
@@ -122,9 +124,15 @@ def restructured_together(
 ) -> tuple[Restructured, ...] | Refusal:
     """As `restructured`, of a part of two nests: the best loops in which they are one nest."""
     symbols = expected_lengths(part, trips)
-    trees = Trees(state, 0, part, estimator, symbols, most_operations)
-    with side_by_side([trees]):
-        made = _Climb(trees, are_two=True).climb()
+    found = {together: part, divided: in_memory(part)}
+    climbs = [
+        _Climb(Trees(state, order, one, estimator, symbols, most_operations), of_two=search)
+        for order, (search, one) in enumerate(found.items())
+    ]
+    with side_by_side([climb.trees for climb in climbs]):
+        for climb in climbs:
+            climb.expect_orders()
+        made = min(climbs, key=_Climb.least).climb()
     return ranked(made, estimator, made) or Refusal("they cannot be one nest")
 
 
@@ -139,12 +147,13 @@ _Try = tuple[tuple[int, ...], tuple[int, ...]]
 class _Climb:
     """The search for the best tree of one of a part's orders.
 
+    `of_two`: what finds the orders of a part of two nests, if it is one.
     `_masked`: as `tried` of the trees, what differs in one mask from what was the best form.
     `_smaller`: so many of the first factors take too many contexts in an order that was tried.
     """
 
     trees: Trees
-    are_two: bool = False
+    of_two: Callable[[Loop, Relations], Iterable[Loop]] | None = None
     _masked: dict[str, Restructured | None] = field(default_factory=dict)
     _smaller: int = 0
 
@@ -152,7 +161,7 @@ class _Climb:
     def _orders(self) -> list[list[_Way]]:
         """The orders, each in several ways."""
         tree = tree_of(self.trees.scop)
-        found = (together if self.are_two else orders)(tree, self.trees.relations)
+        found = (self.of_two or orders)(tree, self.trees.relations)
         return [list(self._ways(order)) for order in found]
 
     def expect_orders(self) -> None:
@@ -170,7 +179,7 @@ class _Climb:
         self.expect_orders()
         ranked = sorted(map(self._ranked, self._orders), key=lambda one: one[0])
         near = [one for one in ranked if one[0] < min(_NEAR * ranked[0][0], math.inf)]
-        return near[:_MOST_NEAR]
+        return near[: 1 if self.of_two else _MOST_NEAR]
 
     def least(self) -> float:
         """Cycles of the best order with the first factors."""
@@ -223,7 +232,7 @@ class _Climb:
 
     def _ways(self, order: Loop) -> Iterator[_Way]:
         tree, jammed = groups(order, self.trees.relations)
-        yield tree, jammed
+        yield tree, sorted(jammed, key=len, reverse=True) if self.of_two else jammed
         yield from groups_with_rows(order, self.trees.relations)
 
     def _mask_otherwise(self) -> None:

@@ -37,17 +37,15 @@ def _overload_cholesky(a: Any) -> Any:
 def _cholesky(a: Any) -> Any:
     if a.shape[0] != a.shape[1]:
         raise np.linalg.LinAlgError(_SQUARE)
-    out = np.zeros(a.shape, a.dtype)
+    out = np.tril(a)
     for i in range(a.shape[0]):
         for j in range(i):
-            total = a[i, j]
             for k in range(j):
-                total -= out[i, k] * out[j, k]
-            out[i, j] = total / out[j, j]
-        square = a[i, i]
+                out[i, j] -= out[i, k] * out[j, k]
+            out[i, j] /= out[j, j]
         for k in range(i):
-            square -= out[i, k] * out[i, k]
-        root = np.sqrt(square)
+            out[i, i] -= out[i, k] * out[i, k]
+        root = np.sqrt(out[i, i])
         out[i, i] = root if root > 0 else -1  # what is divided by is not 0
     for i in range(a.shape[0]):  # behind the nest, which has one exit so
         if not out[i, i] > 0:

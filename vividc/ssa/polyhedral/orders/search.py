@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from vividc.host import time_limit
-from vividc.ssa.polyhedral.forms import ZERO, symbol
+from vividc.ssa.polyhedral.forms import ZERO, Form, symbol
 from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.rows import rows_of, with_own_rows
 from vividc.ssa.polyhedral.schedule import schedule_of
@@ -43,22 +43,7 @@ def orders(tree: Loop, relations: Relations) -> list[Loop]:
     return [*found, *(one for one in first if one is not None), *later]
 
 
-def together(tree: Loop, relations: Relations) -> Iterator[Loop]:
-    """Legal orders in which the two nests of a loop that runs once are one, interchanged or not:
-    one that goes through a matrix by rows and one by columns (mvt) need only one of these.
-    """
-    nests = [child for child in tree.children if isinstance(child, Loop)]
-    if len(nests) != len(tree.children) or len(nests) != 2:  # noqa: PLR2004 - nests
-        return
-    for pair in itertools.product(*([one, *_interchanged(one)] for one in nests)):
-        both = replace(tree, children=pair)
-        for fused in _fused(both):
-            [made] = fused.children
-            if isinstance(made, Loop) and is_legal(made, relations):
-                yield made
-
-
-def _interchanged(loop: Loop) -> Iterator[Loop]:
+def interchanged(loop: Loop) -> Iterator[Loop]:
     """A loop and the only one in it, the other way round."""
     inner = _only_loop(loop)
     if inner is not None:
@@ -84,13 +69,13 @@ def is_legal(tree: Loop, relations: Relations) -> bool:
 def moves(tree: Loop, scop: Scop) -> Iterator[Loop]:
     """Trees that differ by one fusion, interchange, or loop that takes in what follows it."""
     for path, loop in loops_in(tree):
-        for changed in (*_fused(loop), *_taken_in(loop, scop)):
+        for changed in (*fused(loop), *_taken_in(loop, scop)):
             yield put(tree, path, changed)
-        for changed in _interchanged(loop):
+        for changed in interchanged(loop):
             yield put(tree, path, changed)
 
 
-def _fused(loop: Loop) -> Iterator[Loop]:
+def fused(loop: Loop) -> Iterator[Loop]:
     """Loops inside, one and the next after it, as one at the place of the first: those inside them
     too, or one after the other.
     """
@@ -269,8 +254,9 @@ def groups(tree: Loop, relations: Relations) -> tuple[Loop, list[tuple[Path, ...
     tree, in which the groups of some loops run in order, if they may not otherwise.
     """
     result: list[tuple[Path, ...]] = []
-    for path, _ in loops_in(tree):
-        if any(path[: len(group[0])] == group[0] for group in result):
+    for path, loop in loops_in(tree):
+        is_inside = any(path[: len(group[0])] == group[0] for group in result)
+        if is_inside or _runs_once(loop, relations.scop):
             continue
         time_limit.step("loops to jam were looked for")
         rows = _rows(tree, path, relations)
@@ -283,6 +269,12 @@ def groups(tree: Loop, relations: Relations) -> tuple[Loop, list[tuple[Path, ...
         tree, *inner = next(found, (tree,))
         result.append((path, *inner))
     return tree, result
+
+
+def _runs_once(loop: Loop, scop: Scop) -> bool:
+    """Whether a loop is known to have one iteration."""
+    bounds = (scop.dimension(name, over).bounds for name, over in loop.over.items())
+    return all(limit == first.plus(Form(constant=1)) for first, limit in bounds)
 
 
 def _rows(
