@@ -79,3 +79,44 @@ def test_what_may_be_no_element_is_loaded_where_it_is_needed_only(shares: bool) 
         interpret(made, mine, *given)
         interpret(tidy(guarded.lower()), theirs, *given)
         assert np.array_equal(mine, theirs), (rows, spared)
+
+
+@vividc.kernel("void(int32[:, ::1])")
+def rows_of_its_own(a):
+    """All columns behind column k need what the kernel keeps of it."""
+    q = np.empty(a.shape, np.int32)
+    for k in range(a.shape[1]):
+        for i in range(a.shape[0]):
+            q[i, k] = a[i, k] + k
+        for j in range(k + 1, a.shape[1]):
+            for i in range(a.shape[0]):
+                a[i, j] -= q[i, k]
+
+
+@vividc.kernel("void(int32[:, ::1])")
+def above_the_diagonal(a):
+    """What lies between the accessed elements may lie behind the last one."""
+    q = np.empty(a.shape, np.int32)
+    for k in range(a.shape[1]):
+        for i in range(a.shape[0] - k):
+            q[i, k] = a[i, k] + k
+        for j in range(k + 1, a.shape[1]):
+            for i in range(a.shape[0] - k):
+                a[i, j] -= q[i, k]
+
+
+@pytest.mark.parametrize(
+    ("kernel", "is_safe"), [(rows_of_its_own, True), (above_the_diagonal, False)]
+)
+def test_elements_of_own_arrays_are_shared_up_to_the_last_one(
+    kernel: vividc.KernelFunction, is_safe: bool
+) -> None:
+    made = grouped(kernel, (1,), 4, shares=True)
+    instrs = [instr for block in made.blocks for instr in block.instrs]
+    loads = [one for one in instrs if one.op is Opcode.LOAD and one.array != "a"]
+    assert len(loads) == (1 if is_safe else 4)
+    for shape in ((0, 0), (1, 1), (5, 5), (9, 6), (3, 8)):
+        mine, theirs = numbers(*shape), numbers(*shape)
+        interpret(made, mine)
+        interpret(tidy(kernel.lower()), theirs)
+        assert np.array_equal(mine, theirs), shape

@@ -351,12 +351,15 @@ class Places:
         return both(frozenset(tests), ALWAYS)
 
     def _box(self, array: str, axes: int) -> tuple[tuple[Form, Form], ...] | None:
-        """As of `Relations`, if all subscripts between are of elements: those of flat indices that
-        were taken apart are not.
+        """As of `Relations`, if all subscripts between are of elements: of flat indices that were
+        taken apart, if the last of them is accessed. Columns are none of another row.
         """
+        relations = Relations(self.scop)
         params = self.scop.function.params
-        is_whole = any(p.name == array and p.ndim == axes and not p.flat for p in params)
-        return Relations(self.scop).box(array) if is_whole or axes == 1 else None
+        if axes == 1 or any(p.name == array and p.ndim == axes and not p.flat for p in params):
+            return relations.box(array)
+        box = relations.box(array) if array in self.scop.rows else None
+        return box if box is not None and relations.has_corner(array, box) else None
 
     def origin(self, loop: For) -> str | None:
         """The header of the loop that a statement counts by this one."""

@@ -198,6 +198,13 @@ class Relations:
         found = tuple((one, other) for one, other in ends if one is not None and other is not None)
         return found if len(found) == len(ends) else None
 
+    def has_corner(self, array: str, box: tuple[tuple[Form, Form], ...]) -> bool:
+        """Whether the part accesses the element at the last subscripts of an array's box."""
+        touched = self.touched(array)
+        place = f"{touched.get_tuple_name()}[{', '.join(str(last) for _, last in box)}]"
+        corner = isl.Set(f"{self.parameters} -> {{ {place} }}")
+        return bool(corner.intersect_params(touched.params()).is_subset(touched))
+
     def _scalar(self, statement: Statement, ident: int) -> isl.UnionMap:
         names = statement.coordinates[: self.scop.depth[ident]]
         return self.map(statement, f"V_{ident}", tuple(map(symbol, names)))
