@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property, partial
@@ -13,6 +13,8 @@ from typing import Final
 import islpy as isl
 
 from vividc.ssa.analysis.counters import LONGEST
+from vividc.ssa.analysis.polynomial import Polynomial
+from vividc.ssa.ir import Value
 from vividc.ssa.polyhedral.forms import Form, form, symbol
 from vividc.ssa.polyhedral.scop import Nest, Scop, Statement
 from vividc.ssa.polyhedral.subscripts import Access
@@ -188,6 +190,25 @@ class Relations:
                     result = result.union(self._touched(statement, access).range())
         return isl.Set.from_union_set(result).coalesce()
 
+    def stored(self, array: str, names: Mapping[Value, str]) -> isl.Set:
+        """The elements of an array that the part stores to, with these names of what its symbols
+        stand for.
+        """
+        result = isl.UnionSet(f"{self.parameters} -> {{ }}")
+        for statement in self.scop.statements:
+            for access in statement.accesses.values():
+                if access.array == array and access.is_store:
+                    result = result.union(self._touched(statement, access).range())
+        return self.named(isl.Set.from_union_set(result).reset_tuple_id(), names)
+
+    def named(self, found: isl.Set, names: Mapping[Value, str]) -> isl.Set:
+        """A set with these names of what symbols stand for."""
+        for own, value in self.scop.symbols.items():
+            place = found.find_dim_by_name(isl.dim_type.param, own)
+            if place >= 0:
+                found = found.set_dim_name(isl.dim_type.param, place, names[value])
+        return found
+
     def box(self, array: str) -> tuple[tuple[Form, Form], ...] | None:
         """The first and the last subscript along each dimension of what the part accesses of an
         array; None if they are no forms.
@@ -267,6 +288,48 @@ class Relations:
                     if not met.intersect(broken).is_empty():
                         return one, other
         return None
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """Elements of a matrix: those of the first rows, as many as a polynomial without products says,
+    each with as many as `columns`.
+    """
+
+    rows: Polynomial
+    columns: Value
+
+
+def overwrite(array: str, others: Sequence[Scop], first: Scop | Rectangle) -> bool:
+    """Whether parts store to all elements of an array that another one stores to, or to those of a
+    rectangle. They are of one function, and no value from outside changes between them; those that
+    see other rows in the array than the last one are not asked.
+    """
+    length = others[-1].rows.get(array)
+    parts = [Relations(one) for one in others if one.rows.get(array) == length]
+    values = {value: None for one in parts for value in one.scop.symbols.values()}
+    if isinstance(first, Scop):
+        values |= {value: None for value in first.symbols.values()}
+    else:
+        values |= {value: None for value in (*first.rows.linear(), first.columns)}
+    names = {value: f"q{place}" for place, value in enumerate(values)}
+    with bounded():
+        if isinstance(first, Scop):
+            wanted = Relations(first).stored(array, names)
+        else:
+            wanted = _elements(first, names)
+        for one in parts:
+            wanted = wanted.intersect_params(one.named(one.context, names))
+            wanted = wanted.subtract(one.stored(array, names))
+        return bool(wanted.is_empty())
+    return False
+
+
+def _elements(rectangle: Rectangle, names: Mapping[Value, str]) -> isl.Set:
+    factors = {names[value]: factor for value, factor in rectangle.rows.linear().items()}
+    rows = form(factors, rectangle.rows.coefficient())
+    inside = f"0 <= row < {rows} and 0 <= column < {names[rectangle.columns]}"
+    return isl.Set(f"[{', '.join(names.values())}] -> {{ [row, column] : {inside} }}")
 
 
 def _maps_of(relation: isl.UnionMap) -> Iterator[isl.Map]:

@@ -33,6 +33,7 @@ from vividc.ssa.ir import (
 )
 from vividc.ssa.loops.forwarded import forwarded, own_arrays
 from vividc.ssa.loops.fused import fused, lacking_lengths
+from vividc.ssa.loops.overwritten import without_overwritten
 from vividc.ssa.loops.sizes.by_counters import by_counters
 from vividc.ssa.loops.sizes.decide import decided
 from vividc.ssa.loops.temporaries import without_temporaries
@@ -96,9 +97,9 @@ def _makes_arrays(function: Function) -> bool:
 
 
 def _in_registers(function: Function) -> Function:
-    """The function decided, its loops fused, and without arrays between them."""
+    """The function decided, its loops fused, without arrays between them and loops in vain."""
     made = tidy(by_counters(tidy(decided(function))))
-    return _together(without_temporaries(_together(made)))
+    return without_overwritten(_together(without_temporaries(_together(made))))
 
 
 def _together(function: Function) -> Function:
