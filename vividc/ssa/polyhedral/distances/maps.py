@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 
 import islpy as isl
@@ -12,18 +12,18 @@ from vividc.machine.params import MAX_ELEMENTS
 from vividc.ssa.analysis.polynomial import Monomial, Polynomial, constant
 from vividc.ssa.ir import Const, Function, Input, Instr
 from vividc.ssa.polyhedral.distances.linear import WORDS, Place
-from vividc.ssa.polyhedral.subscripts import subscripts_of
 from vividc.ssa.polyhedral.values import Expression, Expressions
 
 
 @dataclass
 class Maps:
-    """Maps of the accesses of one loop, or of one run of a block. A subscript that many accesses
-    have, and when a block runs, are looked at once.
+    """Maps of the accesses of one loop, or of one run of a block, by `subscripts`. A subscript that
+    many accesses have, and when a block runs, are looked at once.
     """
 
     function: Function
     values: Expressions
+    subscripts: Callable[[Instr], tuple[Polynomial, ...] | None]
     _exact: dict[Place, isl.Map | None] = field(init=False, default_factory=dict)
     _inside: dict[Hashable, tuple[isl.Map, isl.Set] | None] = field(
         init=False, default_factory=dict
@@ -37,7 +37,7 @@ class Maps:
         if place not in self._exact:
             self._exact[place] = None
             instr = place.instr
-            parts = subscripts_of(self.function).of(instr)
+            parts = self.subscripts(instr)
             words = WORDS
             if parts is not None and (instr.width != 1 << instr.shift or instr.offset):
                 parts = _divided(in_bytes(parts, instr), instr.width)

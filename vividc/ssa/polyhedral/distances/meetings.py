@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Final
 
@@ -23,6 +23,7 @@ from vividc.ssa.analysis.strides import Stride, stride_of
 from vividc.ssa.edit import block_of
 from vividc.ssa.flow import Loop, flow_of
 from vividc.ssa.ir import Const, Function, Input, Instr, Value, definition_of
+from vividc.ssa.polyhedral.distances.in_rows import InRows, in_rows_of
 from vividc.ssa.polyhedral.distances.linear import (
     STEEP,
     WORDS,
@@ -58,12 +59,14 @@ class NotMore:
 class Meetings:
     """Distances between the accesses of one iteration of `loop`, or of one block without a loop.
 
-    `most_operations`: of isl, for one pair of accesses; as many take some 10 ms.
+    `most_operations`: of isl, for one pair of accesses; as many take some 10 ms. `by_rows`: flat
+    indices count as row and column.
     """
 
     function: Function
     loop: Loop | None = None
     most_operations: int = 20_000
+    by_rows: bool = False
     _parts: dict[Place, tuple[Linear, ...] | None] = field(init=False, default_factory=dict)
     _strides: dict[Place, Stride | None] = field(init=False, default_factory=dict)
     _found: dict[tuple[Place, Place], Distances | None] = field(init=False, default_factory=dict)
@@ -78,11 +81,16 @@ class Meetings:
 
     @cached_property
     def _maps(self) -> Maps:
-        return Maps(self.function, self._values)
+        return Maps(self.function, self._values, self._subscripts.of)
 
     @property
-    def _subscripts(self) -> Subscripts:
-        return subscripts_of(self.function)
+    def _subscripts(self) -> Subscripts | InRows:
+        return in_rows_of(self.function) if self.by_rows else subscripts_of(self.function)
+
+    @cached_property
+    def _in_rows(self) -> Meetings | None:
+        """The same by row and column, of straight code, where many elements of a few rows are."""
+        return None if self.loop is not None or self.by_rows else replace(self, by_rows=True)
 
     @cached_property
     def _forms(self) -> LoopPolynomials | None:
@@ -111,12 +119,21 @@ class Meetings:
         if not (_in_array(first.instr) and _in_array(second.instr)):
             found: Distances | None = None
         elif (found := self._solved(first, second, now=now)) is None:
-            found = self._stridden(first, second, now=now)
+            found = self._stridden(first, second, now=now) or self._between_rows(first, second)
             found = found or self._searched(first, second, now=now)
         if found is None:
             found = Distances(int(not now), 1, assumed=True)
         is_loop = self.loop is not None or found.earlier is None
         return found if is_loop else Distances(found.later, None, found.assumed)
+
+    def _between_rows(self, first: Place, second: Place) -> Distances | None:
+        """Of two accesses in straight code by row and column, if these are known of both."""
+        in_rows = self._in_rows
+        if in_rows is None or None in map(
+            in_rows_of(self.function).of, (first.instr, second.instr)
+        ):
+            return None
+        return in_rows.between(first, second, now=True)
 
     def _solved(self, first: Place, second: Place, *, now: bool) -> Distances | None:
         mine, theirs = self._linear(first), self._linear(second)
@@ -183,13 +200,12 @@ class Meetings:
     def _searched(self, first: Place, second: Place, *, now: bool) -> Distances | None:
         """As isl finds them, if arithmetic does not rule them out."""
         if (first, second) not in self._found:
+            only = self._only_distances(first, second)
+            if only is not None and set(only) <= {0} and not (now and only):
+                return Distances()
             if len(self._found) == _MOST_SEARCHES:
                 return None
             self._found[first, second] = None
-            only = self._only_distances(first, second)
-            if only is not None and set(only) <= {0} and not (now and only):
-                self._found[first, second] = Distances()
-                return self._found[first, second]
             with bounded(self.most_operations >> min(self._given_up, _HALVINGS)):
                 self._given_up += 1  # unless isl comes to an end
                 self._found[first, second] = self.found_by_isl(first, second, int(not now), only)
