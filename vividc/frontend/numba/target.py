@@ -38,6 +38,7 @@ from numba.np.ufunc.dufunc import DUFunc
 from numba.np.ufunc.gufunc import GUFunc
 from numba.stencils.stencil import StencilFunc
 
+import vividc.frontend.numba.library.covariance
 import vividc.frontend.numba.library.linalg
 import vividc.frontend.numba.library.solve
 import vividc.frontend.numba.library.triangles
