@@ -53,3 +53,16 @@ def test_who_looks_on_sees_the_end():
     run = ran("--version", before="sys.setprofile(lambda *_: None)")
     assert run.returncode == 0
     assert run.stdout.splitlines()[-1] == "exit function"
+
+
+SHOWN = "import gc; gc.set_threshold({}); atexit.register(lambda: print(gc.get_threshold()[0]))"
+
+
+def test_garbage_is_looked_for_seldom():
+    run = ran("--version", before=SHOWN.format(700))
+    assert "50000" in run.stdout.splitlines()
+
+
+def test_garbage_is_not_looked_for_where_it_was_not():
+    run = ran("--version", before=SHOWN.format(0))
+    assert "0" in run.stdout.splitlines()
