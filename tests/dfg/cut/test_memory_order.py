@@ -39,9 +39,10 @@ Shape = tuple[bool, int, int, int]
 """Of an access: whether it is a store, its offset, its width, by how much it moves."""
 
 
-def loop_of(body: str) -> tuple[Meetings, list[Instr]]:
+def loop_of(body: str, arrays: str = "x") -> tuple[Meetings, list[Instr]]:
     """A loop with `body`, and its accesses."""
-    function = parse(LOOP.format(body=body))
+    params = "".join(f'param "{array}" uint8[1]\n' for array in arrays)
+    function = parse(LOOP.replace('param "x" uint8[1]\n', params).format(body=body))
     accesses = [instr for instr in function.by_name["b2"].instrs if instr.array]
     return Meetings(function, find_loops(function)[0]), accesses
 
@@ -158,3 +159,23 @@ def test_accesses_whose_predicates_keep_them_apart_have_no_order(
 """
     )
     assert bool([edge for edge in drawn(meetings, accesses) if edge.src != edge.dst]) == kept
+
+
+def test_accesses_of_many_are_ordered_as_each_two_of_them_alone():
+    """Arrays and loads between them change nothing, nor does the order of what is told."""
+    random, body = Random(5), ""
+    for number in range(14):
+        shape = random.random() < 0.4, random.randrange(6), 4, random.choice((0, 4, 8))
+        array = random.choice("xyz")
+        body += written(number, shape).replace('"x"', f'"{array}"').replace("&x", f"&{array}")
+    meetings, accesses = loop_of(body, arrays="xyz")
+    alone = []
+    for first, one in enumerate(accesses):
+        for second, other in enumerate(accesses[first:], first):
+            if other.array == one.array:
+                edges = drawn(meetings, [one] if one is other else [one, other])
+                told = [e for e in edges if one is other or e.src != e.dst]
+                numbers = first, second
+                alone += [(numbers[e.src], numbers[e.dst], e.distance) for e in told]
+    assert [(e.src, e.dst, e.distance) for e in drawn(meetings, accesses)] == alone
+    assert len(alone) > len(accesses)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import itertools
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -58,24 +60,48 @@ def order_accesses(
     stand for an exception are behind all before them, and before all others: the first one counts.
     """
     header = "" if meetings.loop is None else meetings.loop.header
-    for position, first in enumerate(accesses):
-        for second in accesses[position if header else position + 1 :]:
-            if not header and (first.raises or second.raises):
-                builder.order(first.node, second.node, 0)
-                continue
-            if first.array != second.array or not (first.is_store or second.is_store):
-                continue
-            lane = first.place.instr.lane
-            if lane is not None and lane.independent_of(second.place.instr.lane, header):
-                continue
-            now = first is not second and not exclusive(first.place.block, second.place.block)
-            found = _distances(first, second, meetings, header, now=now)
-            for before, after, distance in (
-                (first, second, found.later),
-                (second, first, found.earlier if first is not second else None),
-            ):
-                if distance is not None and distance < _FOREVER:
-                    builder.order(before.node, after.node, distance, assumed=found.assumed)
+    for first, second in _pairs(accesses, in_loop=bool(header)):
+        if not header and (first.raises or second.raises):
+            builder.order(first.node, second.node, 0)
+            continue
+        lane = first.place.instr.lane
+        if lane is not None and lane.independent_of(second.place.instr.lane, header):
+            continue
+        now = first is not second and not exclusive(first.place.block, second.place.block)
+        found = _distances(first, second, meetings, header, now=now)
+        later, earlier = found.later, found.earlier
+        if later is not None and later < _FOREVER:
+            builder.order(first.node, second.node, later, assumed=found.assumed)
+        if earlier is not None and earlier < _FOREVER and first is not second:
+            builder.order(second.node, first.node, earlier, assumed=found.assumed)
+
+
+def _pairs(accesses: Sequence[Access], *, in_loop: bool) -> Iterator[tuple[Access, Access]]:
+    """Accesses in their order, each with those behind it that it may have to be ordered with: of
+    its array, one of the two a store, in a loop itself, too; in straight code each with those that
+    stand for an exception. Most pairs of a region are of other arrays, or two loads.
+    """
+    if not in_loop and any(access.raises for access in accesses):
+        for first, second in itertools.combinations(accesses, 2):
+            is_written = first.array == second.array and (first.is_store or second.is_store)
+            if first.raises or second.raises or is_written:
+                yield first, second
+        return
+    behind: dict[str, deque[Access]] = {}
+    stores: dict[str, deque[Access]] = {}
+    for access in accesses:
+        behind.setdefault(access.array, deque()).append(access)
+        if access.is_store:
+            stores.setdefault(access.array, deque()).append(access)
+    for first in accesses:
+        left, written = behind[first.array], stores.get(first.array, ())
+        if first.is_store and in_loop:
+            yield first, first
+        left.popleft()
+        if first.is_store:
+            stores[first.array].popleft()
+        for second in left if first.is_store else written:
+            yield first, second
 
 
 def _distances(

@@ -58,5 +58,7 @@ def different_elements(one: tuple[int | None, ...], other: tuple[int | None, ...
     A subscript outside its dimension is undefined: `a[i, 1]` and `a[j, 2]` never meet, although
     rows of one column would put them at one address.
     """
-    pairs = zip(one, other, strict=False)
-    return any(None not in pair and pair[0] != pair[1] for pair in pairs)
+    for mine, theirs in zip(one, other, strict=False):
+        if mine != theirs and mine is not None and theirs is not None:
+            return True
+    return False

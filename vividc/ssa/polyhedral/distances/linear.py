@@ -77,7 +77,8 @@ def solved(
     if len(mine) > 1 and widths[0] != widths[1]:
         return None
     for one, other in zip(mine, theirs, strict=True):
-        if one.stride != other.stride or one.terms != other.terms or abs(one.stride) >= STEEP:
+        same = one.terms is other.terms or one.terms == other.terms  # the former takes no looks
+        if not same or one.stride != other.stride or abs(one.stride) >= STEEP:
             return None
         window = _window(signed(other.constant - one.constant), one.stride, *widths)
         lowest, highest = max(lowest, window[0]), min(highest, window[1])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Final
+from typing import Final, TypeAlias
 
 import islpy as isl
 
@@ -16,6 +16,7 @@ from vividc.ssa.analysis.induction import is_invariant
 from vividc.ssa.analysis.polynomial import (
     ITERATION,
     LoopPolynomials,
+    Monomial,
     Polynomial,
     constant,
 )
@@ -55,6 +56,18 @@ class NotMore:
     more: Value
 
 
+_Terms: TypeAlias = frozenset[tuple[Monomial, int]]
+
+
+@dataclass(frozen=True, slots=True)
+class _Known:
+    """Of a place: its subscripts, if they are linear, and whether they are within its array."""
+
+    place: Place
+    linear: tuple[Linear, ...] | None
+    in_array: bool
+
+
 @dataclass
 class Meetings:
     """Distances between the accesses of one iteration of `loop`, or of one block without a loop.
@@ -67,7 +80,10 @@ class Meetings:
     loop: Loop | None = None
     most_operations: int = 20_000
     by_rows: bool = False
-    _parts: dict[Place, tuple[Linear, ...] | None] = field(init=False, default_factory=dict)
+    _parts: dict[int, _Known] = field(init=False, default_factory=dict)
+    """By the identity of the place, which is kept: many pairs ask for each."""
+    _terms: dict[_Terms, _Terms] = field(init=False, default_factory=dict)
+    """Equal ones are the same."""
     _strides: dict[Place, Stride | None] = field(init=False, default_factory=dict)
     _found: dict[tuple[Place, Place], Distances | None] = field(init=False, default_factory=dict)
     _given_up: int = field(init=False, default=0)
@@ -116,7 +132,7 @@ class Meetings:
 
     def between(self, first: Place, second: Place, *, now: bool) -> Distances:
         """Of two accesses of one array; `now`: they may meet in one iteration."""
-        if not (_in_array(first.instr) and _in_array(second.instr)):
+        if not (self._known(first).in_array and self._known(second).in_array):
             found: Distances | None = None
         elif (found := self._solved(first, second, now=now)) is None:
             found = self._stridden(first, second, now=now) or self._between_rows(first, second)
@@ -298,13 +314,18 @@ class Meetings:
 
     def _linear(self, place: Place) -> tuple[Linear, ...] | None:
         """Subscripts as functions of the iteration index, in bytes; None if one is not linear."""
-        if place not in self._parts:
+        return self._known(place).linear
+
+    def _known(self, place: Place) -> _Known:
+        known = self._parts.get(id(place))
+        if known is None:
             parts = self._subscripts.of(place.instr)
             scaled = () if parts is None else in_bytes(parts, place.instr)
             found = [self._in_iteration(part) for part in scaled]
-            known = tuple(part for part in found if part is not None)
-            self._parts[place] = known if parts and len(known) == len(found) else None
-        return self._parts[place]
+            linear = tuple(part for part in found if part is not None)
+            whole = linear if parts and len(linear) == len(found) else None
+            known = self._parts[id(place)] = _Known(place, whole, _in_array(place.instr))
+        return known
 
     def _in_iteration(self, part: Polynomial) -> Linear | None:
         stride, rest = 0, Polynomial({})
@@ -320,7 +341,7 @@ class Meetings:
             for value, times in form.without(ITERATION).linear().items():
                 rest = rest.plus(self._subscripts.polynomial(value), factor * times)
         terms = frozenset((monomial, factor) for monomial, factor in rest.terms.items() if monomial)
-        return Linear(signed(stride), rest.coefficient(), terms)
+        return Linear(signed(stride), rest.coefficient(), self._terms.setdefault(terms, terms))
 
     def _is_fixed(self, value: Value) -> bool:
         """Whether each iteration has the same `value`."""
