@@ -7,6 +7,7 @@ import copy
 import numpy as np
 import pytest
 
+import vividc
 from tests.ssa.support import function
 from vividc.machine.opcodes import Opcode
 from vividc.ssa.check import check_function
@@ -199,3 +200,39 @@ def test_a_row_is_stored_where_another_one_is_loaded(
     for one, two_ in zip(*arrays[2:], strict=True):
         np.testing.assert_array_equal(one, two_)
     assert (len(find_loops(after)) == 1) is fuses
+
+
+SIGNATURE = "void(float32[:, ::1], float32[::1])"
+
+
+@vividc.kernel(SIGNATURE)
+def doubled(a, y):
+    for i in range(a.shape[0]):
+        for j in range(a.shape[1]):
+            y[i] += a[i, j]
+    for i in range(a.shape[0]):
+        y[i] = y[i] * np.float32(2.0)
+
+
+@vividc.kernel(SIGNATURE)
+def cut_off(a, y):
+    for i in range(a.shape[0]):
+        for j in range(a.shape[1]):
+            y[i] += a[i, j]
+    for i in range(a.shape[0]):
+        if y[i] > np.float32(1.0):
+            y[i] = np.float32(2.0)
+
+
+@pytest.mark.parametrize(("kernel", "loops"), [(doubled, 2), (cut_off, 3)])
+def test_a_loop_that_branches_stays_outside_of_a_nest(
+    kernel: vividc.KernelFunction, loops: int
+) -> None:
+    """What is decided by what was computed would make it no static part."""
+    before = tidy(kernel.lower())
+    after = fused(before)
+    assert len(find_loops(after)) == loops
+    mine, theirs = (np.arange(4, dtype=np.float32) for _ in "12")
+    interpret(before, np.full((4, 3), -0.5, np.float32), mine)
+    interpret(after, np.full((4, 3), -0.5, np.float32), theirs)
+    np.testing.assert_array_equal(mine, theirs)

@@ -41,6 +41,7 @@ from numba.stencils.stencil import StencilFunc
 import vividc.frontend.numba.library.covariance
 import vividc.frontend.numba.library.linalg
 import vividc.frontend.numba.library.solve
+import vividc.frontend.numba.library.sums
 import vividc.frontend.numba.library.triangles
 import vividc.frontend.numba.library.where
 import vividc.frontend.numba.lists.kept  # noqa: F401 - all register functions with numba

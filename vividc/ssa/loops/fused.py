@@ -59,7 +59,9 @@ def _fused_whole(function: Function, first: Loop, second: Loop) -> Function | No
     if not inner and not others:
         return made
     if not inner or not others:
-        return made if _share(function, first, second) else None
+        alone = second if inner else first
+        is_one = _share(function, first, second) and not _branches(function, alone)
+        return made if is_one else None
     loops = find_loops(made)
     for one in loops:
         other = _next(made, one, loops) if one.header in {loop.header for loop in inner} else None
@@ -72,6 +74,12 @@ def _share(function: Function, first: Loop, second: Loop) -> bool:
     """Whether two loops access one array."""
     arrays = [{one.array for one in _accesses(function, loop)} for loop in (first, second)]
     return not arrays[0].isdisjoint(arrays[1])
+
+
+def _branches(function: Function, loop: Loop) -> bool:
+    """Whether a loop without others in it branches: in a nest, that would be no static part."""
+    inside = loop.blocks - {loop.header}
+    return any(len(function.by_name[name].branch.successors) > 1 for name in inside)
 
 
 def _next(function: Function, first: Loop, loops: Iterable[Loop]) -> Loop | None:

@@ -54,7 +54,7 @@ def test_what_an_iteration_loads_is_no_number_from_outside() -> None:
     assert len(by_counters(function(text)).by_name["b1"].phis) == 2
 
 
-@vividc.kernel("void(float32[:, ::1], float32[::1])")
+@vividc.kernel("void(float32[:, :, ::1], float32[:, ::1])")
 def summed(a, x):
     x[:] = np.sum(a, axis=0)
 
@@ -64,6 +64,6 @@ def test_sums_along_an_axis_have_counters_alone() -> None:
     nests = [one for one in find_loops(made) if len(one.blocks) > 2]
     assert nests
     assert all(len(made.by_name[loop.header].phis) == 1 for loop in nests)
-    a, x = np.arange(12, dtype=np.float32).reshape(3, 4), np.zeros(4, np.float32)
+    a, x = np.arange(24, dtype=np.float32).reshape(3, 4, 2), np.zeros((4, 2), np.float32)
     interpret(made, a, x)
     np.testing.assert_array_equal(x, a.sum(axis=0))

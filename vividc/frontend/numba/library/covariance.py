@@ -14,6 +14,8 @@ import numpy as np
 from numba.core import types
 from numba.extending import overload, register_jitable
 
+from vividc.frontend.numba.library.sums import is_left_out
+
 _Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 _overload: Callable[..., _Decorator] = functools.partial(overload, target="vividc")
 _helper: Callable[[Callable[..., Any]], Callable[..., Any]] = register_jitable
@@ -25,11 +27,11 @@ def _overload_cov(
     m: Any, y: Any = None, rowvar: Any = True, bias: Any = False, ddof: Any = None
 ) -> Any:
     is_matrix = isinstance(m, types.Array) and m.ndim == _MATRIX
-    if not (is_matrix and _is_left_out(y) and isinstance(m.dtype, types.Float | types.Integer)):
+    if not (is_matrix and is_left_out(y) and isinstance(m.dtype, types.Float | types.Integer)):
         return None
-    if not (_is_left_out(ddof) or isinstance(ddof, types.Integer)):
+    if not (is_left_out(ddof) or isinstance(ddof, types.Integer)):
         return None
-    is_given = not _is_left_out(ddof)
+    is_given = not is_left_out(ddof)
     kind = np.float32 if m.dtype == types.float32 else np.float64
 
     def cov(m: Any, y: Any = None, rowvar: Any = True, bias: Any = False, ddof: Any = None) -> Any:
@@ -47,10 +49,6 @@ def _overload_cov(
         return _covariance(m.T, less, kind)
 
     return cov
-
-
-def _is_left_out(given: Any) -> bool:
-    return isinstance(given, types.NoneType | types.Omitted) or given is None
 
 
 @_helper
