@@ -39,7 +39,8 @@ def _upper(m: Any, k: Any = 0) -> Any:
     out = np.empty(m.shape, m.dtype)
     for i in range(m.shape[0]):
         for j in range(m.shape[1]):
-            out[i, j] = m[i, j] if j - i >= k else zero
+            element = m[i, j]  # loaded in any case: a loop that branches is in no other's nest
+            out[i, j] = element if j - i >= k else zero
     return out
 
 
@@ -48,5 +49,6 @@ def _lower(m: Any, k: Any = 0) -> Any:
     out = np.empty(m.shape, m.dtype)
     for i in range(m.shape[0]):
         for j in range(m.shape[1]):
-            out[i, j] = m[i, j] if j - i <= k else zero
+            element = m[i, j]
+            out[i, j] = element if j - i <= k else zero
     return out
