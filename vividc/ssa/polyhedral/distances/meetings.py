@@ -41,6 +41,11 @@ from vividc.ssa.polyhedral.values import Expressions, bounded, integer
 _MOST_SEARCHES: Final = 150
 """Pairs of accesses of one loop, or of all straight code, that isl is asked about."""
 
+_MOST_PREDICATED: Final = 48
+"""Of these, pairs of straight code one of which is predicated: isl takes ten times as long for each
+(covariance2 of NPBench compiled in 136 s in place of 93).
+"""
+
 _HALVINGS: Final = 3
 """Of a pair's operations, one for each pair before it that isl gave up on: where it gives up on one
 it does on most that are like it, and what it finds there it finds in few operations or none (53 of
@@ -87,6 +92,7 @@ class Meetings:
     _strides: dict[Place, Stride | None] = field(init=False, default_factory=dict)
     _found: dict[tuple[Place, Place], Distances | None] = field(init=False, default_factory=dict)
     _given_up: int = field(init=False, default=0)
+    _predicated: int = field(init=False, default=0)
     """Pairs that took isl more operations than they had."""
 
     @cached_property
@@ -214,12 +220,15 @@ class Meetings:
         return place.block in dominators and is_certain(place.instr)
 
     def _searched(self, first: Place, second: Place, *, now: bool) -> Distances | None:
-        """As isl finds them, if arithmetic does not rule them out."""
+        """As isl finds them, of the first pairs that are asked for, if arithmetic does not rule
+        them out; by row and column as arithmetic does.
+        """
         if (first, second) not in self._found:
             only = self._only_distances(first, second)
             if only is not None and set(only) <= {0} and not (now and only):
-                return Distances()
-            if len(self._found) == _MOST_SEARCHES:
+                self._found[first, second] = Distances()
+                return self._found[first, second]
+            if self.by_rows or self._is_dear(first, second):
                 return None
             self._found[first, second] = None
             with bounded(self.most_operations >> min(self._given_up, _HALVINGS)):
@@ -227,6 +236,13 @@ class Meetings:
                 self._found[first, second] = self.found_by_isl(first, second, int(not now), only)
                 self._given_up -= 1
         return self._found[first, second]
+
+    def _is_dear(self, first: Place, second: Place) -> bool:
+        """Whether isl is asked no more."""
+        is_straight = self.loop is None
+        if is_straight and not (is_certain(first.instr) and is_certain(second.instr)):
+            self._predicated += 1
+        return len(self._found) >= _MOST_SEARCHES or self._predicated > _MOST_PREDICATED
 
     def _only_distances(self, first: Place, second: Place) -> tuple[int, ...] | None:
         """After how many iterations alone they may meet; None: any."""
