@@ -33,6 +33,7 @@ from vividc.ssa.loops.join import Joined, join
 from vividc.ssa.polyhedral.generate import generate
 from vividc.ssa.polyhedral.loops import loops_of
 from vividc.ssa.polyhedral.orders.in_memory import in_memory
+from vividc.ssa.polyhedral.orders.joined import divided, together
 from vividc.ssa.polyhedral.orders.realigned import other_orders
 from vividc.ssa.polyhedral.orders.search import (
     at,
@@ -43,7 +44,6 @@ from vividc.ssa.polyhedral.orders.search import (
     moves,
     put,
     skewed,
-    together,
     with_factors,
 )
 from vividc.ssa.polyhedral.relations import Relations
@@ -167,7 +167,8 @@ class Search:
         tree = tree_of(scop)
         too_long = self.counts[_TOO_LONG]
         with suppress(isl.Error), _bounded():
-            tree = chance.choice([tree, *together(tree, relations)])
+            joined = (*together(tree, relations), *divided(tree, relations))
+            tree = chance.choice([tree, *joined])
         for _ in range(_MOVES):
             if self.counts[_TOO_LONG] >= too_long + _STRIKES:
                 return

@@ -141,3 +141,11 @@ def test_no_order_makes_them_one(tested: vividc.KernelFunction, parts: int) -> N
     found = parts_of(tidy(tested.lower()))
     assert len(found) == parts
     assert not any(trees_of(part, search) for part in found for search in (together, divided))
+
+
+def test_of_one_nest_there_are_no_pairs() -> None:
+    function = tidy(rows_and_columns.lower())
+    [part] = parts_of(function)
+    [first, _] = tree_of(part).children
+    assert isinstance(first, Loop)
+    assert not [*together(first, Relations(part)), *divided(first, Relations(part))]

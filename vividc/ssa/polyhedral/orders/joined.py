@@ -8,8 +8,9 @@ once if they are one nest. Where a nest begins sums before its inner loop, and t
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 from vividc.ssa.polyhedral.forms import Form, symbol
 from vividc.ssa.polyhedral.orders.search import fused, interchanged, is_legal, loops_in
@@ -17,10 +18,12 @@ from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.scop import Scop
 from vividc.ssa.polyhedral.trees import Loop, Tree, statements_in
 
+_Way = TypeVar("_Way")
+
 
 def together(tree: Loop, relations: Relations) -> Iterator[Loop]:
     """Legal orders in which the two nests of a loop that runs once are one, interchanged or not."""
-    for pair in itertools.product(*([one, *interchanged(one)] for one in _two_nests(tree))):
+    for pair in _pairs([one, *interchanged(one)] for one in _two_nests(tree)):
         for both in fused(replace(tree, children=pair)):
             [made] = both.children
             if isinstance(made, Loop) and is_legal(made, relations):
@@ -31,7 +34,7 @@ def divided(tree: Loop, relations: Relations) -> Iterator[Loop]:
     """As `together`, of nests whose statements before and behind their inner loops have loops of
     their own: those in which each iteration needs an element of a matrix once.
     """
-    for first, second in itertools.product(*map(_divided, _two_nests(tree))):
+    for first, second in _pairs(map(_divided, _two_nests(tree))):
         for both in fused(replace(tree, children=(first.inner, second.inner))):
             if not _shares(both, relations.scop):
                 continue
@@ -39,6 +42,11 @@ def divided(tree: Loop, relations: Relations) -> Iterator[Loop]:
             made = replace(tree, children=(*before, *both.children, *behind))
             if is_legal(made, relations):
                 yield made
+
+
+def _pairs(ways: Iterable[Iterable[_Way]]) -> Iterator[tuple[_Way, ...]]:
+    """One way of each of two nests; none of no nests."""
+    return (pair for pair in itertools.product(*ways) if pair)
 
 
 def _two_nests(tree: Loop) -> tuple[Loop, ...]:
