@@ -228,7 +228,10 @@ class Meetings:
             if only is not None and set(only) <= {0} and not (now and only):
                 self._found[first, second] = Distances()
                 return self._found[first, second]
-            if self.by_rows or self._is_dear(first, second):
+            is_predicated = self._is_predicated(first, second)
+            self._predicated += is_predicated
+            is_over = is_predicated and self._predicated > _MOST_PREDICATED
+            if self.by_rows or is_over or len(self._found) >= _MOST_SEARCHES:
                 return None
             self._found[first, second] = None
             with bounded(self.most_operations >> min(self._given_up, _HALVINGS)):
@@ -237,12 +240,10 @@ class Meetings:
                 self._given_up -= 1
         return self._found[first, second]
 
-    def _is_dear(self, first: Place, second: Place) -> bool:
-        """Whether isl is asked no more."""
-        is_straight = self.loop is None
-        if is_straight and not (is_certain(first.instr) and is_certain(second.instr)):
-            self._predicated += 1
-        return len(self._found) >= _MOST_SEARCHES or self._predicated > _MOST_PREDICATED
+    def _is_predicated(self, first: Place, second: Place) -> bool:
+        """Whether one of two accesses in straight code is predicated."""
+        are_certain = is_certain(first.instr) and is_certain(second.instr)
+        return self.loop is None and not are_certain
 
     def _only_distances(self, first: Place, second: Place) -> tuple[int, ...] | None:
         """After how many iterations alone they may meet; None: any."""
