@@ -28,6 +28,7 @@ from vividc.frontend.ranges.limits import clamp_limits
 from vividc.host import time_limit
 from vividc.host.watch import run_passes
 from vividc.ssa.ir import Function
+from vividc.ssa.loops.sizes.one_name import with_one_name
 from vividc.ssa.rewrite.blocks import remove_unreachable_blocks
 from vividc.ssa.rewrite.dead import remove_unused
 from vividc.ssa.rewrite.hoist import hoist_invariants
@@ -143,6 +144,7 @@ SIMPLIFYING: Final[tuple[Callable[[Function], Function], ...]] = (
 """Without small integers in memory, and without what the ranges of values decide."""
 TIDYING: Final[tuple[Callable[[Function], Function], ...]] = (
     keep_accessed,
+    with_one_name,
     hoist_invariants,
     merge_equal,
 )
