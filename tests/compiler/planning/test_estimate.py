@@ -15,7 +15,7 @@ from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.ir import DFG
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.regions import Kernel
-from vividc.ssa.flow import find_loops
+from vividc.ssa.flow import find_loops, preheader_of
 from vividc.ssa.rewrite.normalize import normalize
 from vividc.ssa.rewrite.tidy import tidy
 
@@ -86,6 +86,31 @@ def test_a_nest_apart_from_others_takes_what_it_takes_beside_them() -> None:
     assert abs(alone.cycles - both.cycles) < 0.05 * both.cycles
     short, long = apart.estimate(function, {first.header: 10.0}, {first.header: 1000.0})
     assert long.cycles > short.cycles + 500
+
+
+@vividc.kernel("void(int32[::1], int32[::1], int32)")
+def either(x, y, n):
+    if n > 0:
+        for i in range(len(x)):
+            x[i] = 3 * y[i] + n
+    else:
+        for i in range(len(x)):
+            x[i] = 5 * y[i] - n
+
+
+def test_rare_nests_beside_one_take_no_room() -> None:
+    estimator = Estimator(arch.load("vivid-tile"), PassOptions(contract=False))
+    function = tidy(either.lower())
+    first, second = find_loops(function)
+    hints = {preheader_of(function, second): 0.005}
+    whole = estimator.estimate(function, hints)
+    assert [cost.is_rare for cost in whole.regions if cost.header == second.header] == [True]
+    apart = Apart.of(estimator, function, hints, {first.header})
+    room = Room(whole.largest_loop(16), whole.contexts)
+    [alone] = apart.estimate(function, hints, room=room)
+    assert alone.cycles < math.inf
+    [beyond] = apart.estimate(function, hints, room=replace(room, contexts=whole.contexts - 1))
+    assert beyond.cycles == math.inf
 
 
 @vividc.kernel("void(int32[::1], int32[::1])")

@@ -49,6 +49,7 @@ from vividc.ssa.analysis.frequency import NO_TRIPS, expected_trips
 from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.ir import Function
 from vividc.ssa.loops.begun_sums import begun_sums
+from vividc.ssa.loops.taken_in import taken_in
 from vividc.ssa.parallel.independent import meeting_array
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
@@ -108,6 +109,8 @@ def choose(
     chooser = _Chooser(estimator, options, [first], frozenset(parallel))
     if estimator.options.reassociate and options.auto:
         tidied = begun_sums(tidied)
+    if options.auto:
+        tidied = taken_in(tidied)
     chooser.start(State(tidied, hints))
     obey(chooser)
     asked = len(chooser.stages) - 1

@@ -19,6 +19,7 @@ from vividc.ssa.analysis.frequency import EQUAL
 from vividc.ssa.loops.begun_sums import begun_sums
 from vividc.ssa.loops.factored_sums import factored_sums
 from vividc.ssa.loops.sizes.versions import for_sizes, without_arrays_between
+from vividc.ssa.loops.taken_in import taken_in
 from vividc.ssa.rewrite.tidy import tidy
 
 _ROOMS: Final = (0.85, 0.7, 0.5)
@@ -64,7 +65,7 @@ def version_for_sizes(draft: Draft) -> None:
     both = made.function
     if draft.estimator.options.reassociate:
         both = begun_sums(factored_sums(both))
-    changed = replace(state, function=tidy(both), hints=hints)
+    changed = replace(state, function=taken_in(tidy(both)), hints=hints)
     stage = Stage(changed, draft.estimator.estimate(changed.function, hints))
     is_as_good = stage.estimate.cycles < _AS_GOOD * draft.now.estimate.cycles
     if is_as_good and stage.estimate.contexts <= most:

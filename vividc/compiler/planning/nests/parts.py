@@ -197,7 +197,7 @@ class Apart:
         """As the estimator does of a form, for each of several hints."""
         rest = self._rest(function)
         if room is not None:
-            taken = sum(cost.shape.ii for cost in self.others)
+            taken = sum(cost.shape.ii for cost in self.others if not cost.is_rare)
             room = replace(room, contexts=room.contexts - taken)
         return tuple(self._with_others(self.estimator.estimate(rest, one, room)) for one in hints)
 
