@@ -9,6 +9,7 @@ import pytest
 
 import vividc
 from tests.ssa.support import function
+from vividc.frontend import KernelFunction
 from vividc.machine.opcodes import Opcode
 from vividc.ssa.check import check_function
 from vividc.ssa.flow import find_loops
@@ -16,6 +17,7 @@ from vividc.ssa.interpret import interpret
 from vividc.ssa.ir import Function
 from vividc.ssa.loops.forwarded import forwarded
 from vividc.ssa.loops.fused import fused
+from vividc.ssa.loops.sizes.decide import decided
 from vividc.ssa.rewrite.tidy import tidy
 
 TWO = """param "x" float32[1]
@@ -236,3 +238,87 @@ def test_a_loop_that_branches_stays_outside_of_a_nest(
     interpret(before, np.full((4, 3), -0.5, np.float32), mine)
     interpret(after, np.full((4, 3), -0.5, np.float32), theirs)
     np.testing.assert_array_equal(mine, theirs)
+
+
+VECTORS = "void(float32[::1], float32[::1], int32)"
+
+
+@vividc.kernel(VECTORS)
+def above(x, y, n):
+    for i in range(n):
+        x[i] *= np.float32(2)
+    for i in range(n):
+        for k in range(i):
+            x[k] += y[i] * x[i]
+
+
+@vividc.kernel(VECTORS)
+def up_to_it(x, y, n):
+    for i in range(n):
+        x[i] *= np.float32(2)
+    for i in range(n):
+        for k in range(i + 1):
+            x[i - k] += y[k]
+
+
+@vividc.kernel(VECTORS)
+def one_further(x, y, n):
+    for i in range(n):
+        x[i] *= np.float32(2)
+    for i in range(n):
+        for k in range(i + 2):
+            x[k] += y[i]
+
+
+@vividc.kernel(VECTORS)
+def from_it_on(x, y, n):
+    for i in range(n):
+        x[i] *= np.float32(2)
+    for i in range(n):
+        for k in range(i, n):
+            x[k] += y[i]
+
+
+@vividc.kernel(VECTORS)
+def ahead_and_above(x, y, n):
+    for i in range(len(x) - 1):
+        x[i] *= np.float32(2)
+    for i in range(1, len(x)):
+        for k in range(i):
+            x[k] += y[i]
+
+
+@vividc.kernel(VECTORS)
+def ahead_and_up_to_it(x, y, n):
+    for i in range(len(x) - 1):
+        x[i] *= np.float32(2)
+    for i in range(1, len(x)):
+        for k in range(i + 1):
+            x[k] += y[i]
+
+
+@pytest.mark.parametrize(
+    ("kernel", "loops"),
+    [
+        (above, 2),
+        (up_to_it, 2),
+        (one_further, 3),
+        (from_it_on, 3),
+        (ahead_and_above, 2),
+        (ahead_and_up_to_it, 3),
+    ],
+    ids=lambda one: getattr(one, "name", ""),
+)
+def test_what_proves_to_be_done_by_then_may_be_gone_through_again(
+    kernel: KernelFunction, loops: int
+) -> None:
+    before = tidy(decided(kernel.lower()))
+    after = fused(before)
+    assert check_function(after) == []
+    assert len(find_loops(after)) == loops
+    for n in (0, 1, 6):
+        x, y = np.arange(1, 10, dtype=np.float32), np.arange(5, 14, dtype=np.float32)
+        wanted = x.copy()
+        kernel.py_func(wanted, y, np.int32(n))
+        interpret(after, x, y, np.int32(n))
+        np.testing.assert_array_equal(x, wanted)

@@ -332,9 +332,10 @@ class _Meetings:
     def _is_in_order(self, one: Instr, other: Instr) -> bool:
         if one.width != other.width:
             return False
-        places = [*self._places(other)]
+        places, block = [*self._places(other)], self._pair.function.block_of[other.id]
         return any(
             self._is_not_before(mine, theirs, one.width)
+            or self._is_behind(mine, theirs, one.width, block)
             for kind, mine in self._places(one)
             for other_kind, theirs in places
             if kind == other_kind
@@ -397,3 +398,18 @@ class _Meetings:
         if away is None or away % width:
             return False
         return away % step != 0 or away // step >= 0
+
+    def _is_behind(self, mine: Polynomial, theirs: Polynomial, width: int, block: str) -> bool:
+        """Whether the second number, of an access in `block`, proves to be one that the first is in
+        an iteration that is not behind: of rows above the one that the second loop has come to.
+        """
+        one, other = self._pair.counters
+        first = mine.linear_in(Ref(one.phi.id))
+        step = 0 if first is None else first[0].constant
+        if first is None or not step:
+            return False
+        come_to = Polynomial({(Ref(other.phi.id),): step, (): -step * self._pair.ahead})
+        more = come_to.plus(first[1]).plus(theirs, -1).times(constant(1 if step > 0 else -1))
+        if any(len(monomial) > 1 or factor % width for monomial, factor in more.terms.items()):
+            return False
+        return self._order.is_proved(self._order.of_terms(more), self._order.facts(block))
