@@ -16,12 +16,18 @@ from vividc import arch
 from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.estimate import Estimator
 from vividc.compiler.planning.nests.factors import are_past_the_best, crowded, more
+from vividc.compiler.planning.nests.parts import expected_lengths, static_part
+from vividc.compiler.planning.nests.trees import Trees
 from vividc.compiler.planning.options import LoopOptions
+from vividc.compiler.planning.state import State
 from vividc.dfg.pipeline import PassOptions
 from vividc.machine.opcodes import Opcode
+from vividc.ssa.analysis.frequency import NO_TRIPS, expected_trips
 from vividc.ssa.flow import find_loops, pipelined_loops
 from vividc.ssa.interpret import interpret
 from vividc.ssa.ir import Function
+from vividc.ssa.polyhedral.trees import tree_of
+from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 
 MACHINE = arch.load("vivid-tile")
@@ -225,3 +231,19 @@ def test_larger_factors_are_not_tried_where_smaller_ones_are_better() -> None:
     assert not are_past_the_best({**cycles, (4, 4): 104.0}, (4, 4))
     assert not are_past_the_best(cycles, (4, 1))  # the smaller one of its columns is none of it
     assert not are_past_the_best(cycles, (2, 2))
+
+
+def test_groups_of_loops_are_given_factors_after_all_trees_of_orders() -> None:
+    function = tidy(blurred.lower())
+    header = next(loop.header for loop in find_loops(function) if len(loop.blocks) > 3)
+    estimator = Estimator(arch.load("vivid-tile"), PassOptions(contract=True))
+    state = State(function, expected_trips(function, NO_TRIPS))
+    scop = static_part(state, header)
+    assert not isinstance(scop, Refusal)
+    trees = Trees(state, 0, scop, estimator, expected_lengths(scop, state.hints), 128, most=1)
+    tree = tree_of(scop)
+    assert trees.attempt(tree) is not None
+    masked = replace(tree, factor=2, masked=True)
+    assert trees.attempt(masked) is None
+    trees.allow(1)
+    assert trees.attempt(masked) is not None

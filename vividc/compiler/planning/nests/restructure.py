@@ -198,6 +198,7 @@ class _Climb:
             self._expect_factors(order, jammed)
         for _, order, jammed in self.starts:
             tree = order
+            self.trees.allow(len(jammed))
             for number, group in enumerate(jammed):
                 self.trees.stored = STORED * (number + 1) / len(jammed)
                 tree = self._jammed(tree, group, is_last=number + 1 == len(jammed))

@@ -24,6 +24,11 @@ from vividc.ssa.rewrite.refusal import Refusal
 _MOST_TRIES = 40
 """Trees of one part; each takes 0.1 to 1 s."""
 
+_OF_GROUP = 8
+"""Trees for the factors of each group of loops that may be tried in any case: of a part of four
+nests (fdtd_2d) the orders alone are 30, and the last groups had no factors.
+"""
+
 _LARGER = 3
 """Symbols may be so many times as large as they are expected."""
 
@@ -57,6 +62,8 @@ class Trees:
     stored
         So large a part of the entries may be taken now: as many groups of loops have no factors
         yet, as many parts are left to them.
+    most
+        So many trees are tried.
     tried
         By their descriptions, in the order in which they were tried; None: nothing was made.
     """
@@ -68,6 +75,7 @@ class Trees:
     symbols: Mapping[str, float]
     most_operations: int
     stored: float = STORED
+    most: int = _MOST_TRIES
     tried: dict[str, Restructured | None] = field(default_factory=dict)
     ahead: Ahead[Attempt, Restructured | None] | None = None
     _loops: dict[str, Loops | Refusal] = field(default_factory=dict)
@@ -97,10 +105,14 @@ class Trees:
         tried.
         """
         name = describe(tree)
-        if name not in self.tried and len(self.tried) < _MOST_TRIES:
+        if name not in self.tried and len(self.tried) < self.most:
             time_limit.step("loops were restructured")
             self.tried[name] = self.outcome(tree)
         return self.tried.get(name)
+
+    def allow(self, groups: int) -> None:
+        """Has enough trees tried for the factors of so many groups of loops."""
+        self.most = max(self.most, len(self.tried) + _OF_GROUP * groups)
 
     def outcome(self, tree: Loop) -> Restructured | None:
         """As `attempt`, of any number of trees."""
