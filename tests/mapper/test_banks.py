@@ -234,6 +234,18 @@ def test_no_single_pitch_or_start_is_much_better_than_the_chosen(
     assert least <= min(others) / 0.95 / 0.95 + 1e-9
 
 
+@given(LAYOUT, st.sampled_from("abc"))
+def test_an_array_takes_no_stalls_from_the_others(
+    accesses: list[tuple[str, int, int, int]], array: str
+) -> None:
+    """Wherever it starts: a search may end where no more are left."""
+    traffic = rows_of(accesses, 1.0)
+    known = words_of(dict.fromkeys("abc", 1), {"a": 3, "b": 2})
+    others = traffic.stalls(known, traffic.arrays() - {array})
+    for start in range(PAD.banks):
+        assert others <= traffic.stalls(known | words_of({array: start}, {}))
+
+
 def test_a_search_that_begins_again_finds_layouts_that_no_single_change_leads_to() -> None:
     better = 0
     for seed in range(12):

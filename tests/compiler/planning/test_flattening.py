@@ -55,6 +55,28 @@ def test_short_rows_are_flattened() -> None:
     assert cycles < vividc.simulate(plain, *workload.fresh()).cycles
 
 
+@vividc.kernel("void(float32[::1], int32[::1], float32[::1])")
+def much_around(a, start, w):
+    """Sixteen chains around a loop, which one loop would have in each of its iterations."""
+    for i in range(a.shape[0]):
+        total = np.float32(0.0)
+        for chain in range(16):
+            x = a[i] + np.float32(chain)
+            for _ in range(4):
+                x = x * w[0] + w[1]
+            total += x
+        for k in range(start[i], start[i + 1]):
+            w[(k + 2) & 15] += total
+        a[i] = total
+
+
+def test_a_nest_with_much_around_its_loop_is_not_even_flattened() -> None:
+    program = vividc.compile(much_around)
+    tried = [one for loop in program.loops for one in loop.transforms if one.kind == "flattening"]
+    assert [one.chosen for one in tried] == [False]
+    assert tried[0].reason.startswith("one loop would have")
+
+
 def test_the_user_decides() -> None:
     kernel = nest_kernels.stairs
     line = line_of(kernel, "for i")

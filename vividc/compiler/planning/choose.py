@@ -457,7 +457,7 @@ class _Chooser(Draft):
         time_limit.step("loop transformations were chosen")
         share, limit = GAIN[candidate.kind], self._most_operations(base, candidate.kind)
         is_rare = self._is_rare(base, changed_by(base.state, candidate), 1.0 - share - _BESIDE)
-        reason = _TOO_RARE if is_rare else self.in_vain(base, candidate, limit)
+        reason = _TOO_RARE if is_rare else self.in_vain(base, candidate, share, limit)
         foreseen = None if reason else self.foreseen(base, candidate, share, limit)
         if reason or foreseen is not None:
             self.note(base, candidate, foreseen, reason or _NO_GAIN)

@@ -55,6 +55,7 @@ _PRODUCTS: Final = 2048
 """Products of words, of so many the draws are kept: 8 MiB."""
 
 _Draws = NDArray[np.int64]
+_NEVER: Final = np.zeros(_DRAWN, np.bool_)
 Words = Mapping[str, int]
 """Words of addresses by name, as far as they are known."""
 NOTHING: Final[Words] = {}
@@ -201,7 +202,7 @@ class Traffic:
         key = ("spread", node.id, tuple(map(known.get, self._words[node.id])))
         if key not in self._known:
             bank = _bank(node, _chosen(f"stage {node.id}", _STAGES), self.banks, known)
-            self._known[key] = np.where(self._idle(node), self.banks, bank)
+            self._known[key] = self._or_idle(node, bank, self.banks)
         return self._known[key]
 
     def _stalls_of_slots(self, group: _Group, times: Mapping[int, int], known: Words) -> float:
@@ -219,8 +220,7 @@ class Traffic:
                 continue
             key = slot, here.accesses, tuple(map(known.get, here.words))
             if key not in self._stalls:
-                places = np.stack([self._places(self._nodes[one], known) for one in here.accesses])
-                banks = np.minimum(places - slot * self.banks, self.banks)
+                banks = np.stack([self._places(self._nodes[one], known) for one in here.accesses])
                 self._stalls[key] = float(waits_of(banks, self.banks, self.banks).mean())
             total += self._stalls[key]
         return total
@@ -276,22 +276,32 @@ class Traffic:
         """Whether one of the accesses is to an array."""
         return any(node.name == array for node in self.accesses)
 
+    def arrays(self, among: Collection[str] | None = None) -> frozenset[str]:
+        """The arrays that are accessed, of all or of these."""
+        return self._arrays if among is None else self._arrays.intersection(among)
+
+    @cached_property
+    def _arrays(self) -> frozenset[str]:
+        return frozenset(node.name for node in self.accesses)
+
     def _places(self, node: Node, known: Words) -> _Draws:
-        """Slot and bank of an access, as one number."""
+        """Bank of an access; without times slot and bank, as one number."""
         key = node.id, tuple(map(known.get, self._words[node.id]))
         if key not in self._known:
             self._known[key] = self._found(node, known)
         return self._known[key]
 
     def _found(self, node: Node, known: Words) -> _Draws:
-        slot: _Draws | int
-        if self.times is None:
-            slot, drawn = (_chosen(f"{n} {node.id}", n) for n in (self.ii, _STAGES))
-            bank = _bank(node, drawn, self.banks, known)
-        else:
-            stage, slot = divmod(self.times[node.id], self.ii)
-            bank = self._bank_from_start(node, stage, known)
-        return np.where(self._idle(node), self.ii * self.banks, slot * self.banks + bank)
+        if self.times is not None:
+            bank = self._bank_from_start(node, self.times[node.id] // self.ii, known)
+            return self._or_idle(node, bank, self.banks)
+        slot, drawn = (_chosen(f"{n} {node.id}", n) for n in (self.ii, _STAGES))
+        bank = _bank(node, drawn, self.banks, known)
+        return self._or_idle(node, slot * self.banks + bank, self.ii * self.banks)
+
+    def _or_idle(self, node: Node, places: _Draws, beside: int) -> _Draws:
+        """The places of an access, one beside all of them where it is not made."""
+        return np.where(self._idle(node), beside, places) if node.id in self.arms else places
 
     def _bank_from_start(self, node: Node, stage: int, known: Words) -> _Draws:
         """The bank of an access of what is mapped: where its array starts is added last, as layouts
@@ -310,7 +320,7 @@ class Traffic:
     def _idle(self, node: Node) -> NDArray[np.bool_]:
         """In which draws an access is not made."""
         if node.id not in self.arms:
-            return np.zeros(_DRAWN, np.bool_)
+            return _NEVER
         idle = _drawn("predicate", _IDLE) == 0
         for arm in self.arms[node.id]:
             idle = idle | (_drawn(f"arms of {arm.choice}", arm.count) != arm.number)

@@ -9,7 +9,7 @@ apart, and the start of the arrays decides it.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from random import Random
 from typing import Final
 
@@ -17,7 +17,7 @@ from vividc.arch.fabric import Fabric
 from vividc.dfg.regions import Kernel
 from vividc.machine.words import WORD_BYTES
 from vividc.mapper.mapping import Mapping as RegionMapping
-from vividc.mapper.resources.banks import NOTHING, Traffic, words_of
+from vividc.mapper.resources.banks import NOTHING, Traffic, Words, words_of
 from vividc.ssa.ir import pitch_of
 
 _LOOP: Final = 16.0
@@ -89,11 +89,13 @@ def best_pitches(traffic: Sequence[Traffic], matrices: Mapping[str, int]) -> dic
     for matrix, per_word in matrices.items():
         word = pitch_of(matrix, 1).key
         touched = [one for one in traffic if one.touches(matrix)]
-        least = math.inf
+        least, floor = math.inf, _floor(touched, matrix, known)
         for pitch in (per_word * (n % banks) for n in range(1, banks + 1)):
             stalls = sum(one.weight * one.stalls({**known, word: pitch}) for one in touched)
             if stalls < (1.0 - _NOISE) * least:
                 known[word], least = pitch, stalls
+            if (1.0 - _NOISE) * least <= floor:
+                break
     return {matrix: known[pitch_of(matrix, 1).key] for matrix in matrices}
 
 
@@ -110,13 +112,13 @@ def best_starts(
     for number, array in enumerate(arrays):
         word, among = f"&{array}", arrays[: number + 1]
         touched = [one for one in traffic if one.touches(array)]
-        least = math.inf
+        least, floor = math.inf, _floor(touched, array, known, arrays[:number])
         for start in ((number + more) % banks for more in range(banks)):
             here = {**known, word: WORD_BYTES * start}
             stalls = sum(one.weight * one.stalls(here, among) for one in touched)
             if stalls < (1.0 - _GAIN) * least:
                 known[word], least = WORD_BYTES * start, stalls
-            if not touched:
+            if (1.0 - _GAIN) * least <= floor:
                 break
     return {array: known[f"&{array}"] // WORD_BYTES for array in arrays}
 
@@ -164,6 +166,16 @@ def _stalls_with(traffic: Sequence[Traffic], layout: Layout) -> float:
     return sum(one.weight * one.stalls(known) for one in traffic)
 
 
+def _floor(
+    traffic: Sequence[Traffic], array: str, known: Words, among: Collection[str] | None = None
+) -> float:
+    """What stalls are at least, wherever an array lies: those without its accesses, and none where
+    accesses are spread anew for each place of it; `among`: the other arrays, if not all.
+    """
+    fixed = [one for one in traffic if not one.spread]
+    return sum(one.weight * one.stalls(known, one.arrays(among) - {array}) for one in fixed)
+
+
 def _improved(traffic: Sequence[Traffic], matrices: Mapping[str, int], layout: Layout) -> Layout:
     pitches, starts = (dict(part) for part in layout)
     banks = traffic[0].banks if traffic else 1
@@ -174,6 +186,7 @@ def _improved(traffic: Sequence[Traffic], matrices: Mapping[str, int], layout: L
         for name, chosen in [(name, group) for group in (pitches, starts) for name in group]:
             touched = [one for one in busy if one.touches(name)]
             kept, least = chosen[name], math.inf
+            floor = _floor(touched, name, words_of(starts, pitches))
             step = matrices[name] if chosen is pitches else 1
             for value in ((kept + step * n) % (step * banks) for n in range(banks)):
                 chosen[name] = value
@@ -181,6 +194,8 @@ def _improved(traffic: Sequence[Traffic], matrices: Mapping[str, int], layout: L
                 stalls = sum(one.weight * one.stalls(known) for one in touched)
                 if stalls < (1.0 - _NOISE) * least:
                     kept, least = value, stalls
+                if (1.0 - _NOISE) * least <= floor:
+                    break
             chosen[name] = kept
         if (pitches, starts) == before:
             break

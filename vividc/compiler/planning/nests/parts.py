@@ -197,9 +197,13 @@ class Apart:
         """As the estimator does of a form, for each of several hints."""
         rest = self._rest(function)
         if room is not None:
-            taken = sum(cost.shape.ii for cost in self.others if not cost.is_rare)
-            room = replace(room, contexts=room.contexts - taken)
+            room = replace(room, contexts=room.contexts - self.contexts)
         return tuple(self._with_others(self.estimator.estimate(rest, one, room)) for one in hints)
+
+    @property
+    def contexts(self) -> int:
+        """The fewest that the other nests take."""
+        return sum(cost.shape.ii for cost in self.others if not cost.is_rare)
 
     def entries(self, estimate: Estimate) -> int:
         """Of constant stores, as of an estimate, that accesses of this nest's loops need."""

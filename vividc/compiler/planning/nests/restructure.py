@@ -49,6 +49,7 @@ from vividc.ssa.polyhedral.orders.search import (
     loops_in,
     orders,
     with_factors,
+    with_factors_of,
 )
 from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.scop import Scop
@@ -73,6 +74,16 @@ _CLEARLY = 1.1
 """Where masks (or none) are so much better with the first factors, none (or masks) are not tried
 with the best ones: of 22 groups of triangles (234 kernels, NPBench) they are in 15, and would not
 be better with the best ones in any.
+"""
+
+_LONGER = 1.25
+"""Times the contexts of a masked triangle, what takes none takes at least: of 40 triangles of
+NPBench one took 1.26, the others more. Where the masked one has no room, none of 30 had.
+"""
+
+_HOPELESS = 2.5
+"""Of the cycles of the best form so far: a masked triangle that takes more is not the better one
+without, which takes 0.54 times as many at least (syrk).
 """
 
 _FAR = 1.5
@@ -170,7 +181,7 @@ class _Climb:
             one
             for ways in self._orders
             for tree, jammed in ways
-            for one in (tree, *self._masked_and_not(tree, self._first_factors(tree, jammed)))
+            for one in (tree, self._with(tree, self._first_factors(tree, jammed), True))
         )
 
     @cached_property
@@ -194,9 +205,11 @@ class _Climb:
         made.
         """
         made: list[Restructured] = []
-        for _, order, jammed in self.starts:
+        for _, order, jammed in self.starts[:1]:
             self._expect_factors(order, jammed)
         for _, order, jammed in self.starts:
+            if made and not self._is_promising(order, min(made, key=lambda one: one.cycles)):
+                continue
             tree = order
             self.trees.allow(len(jammed))
             for number, group in enumerate(jammed):
@@ -208,14 +221,21 @@ class _Climb:
                 made = self.trees.all_made
         return [*made, *self._with_loads(min(made, key=lambda one: one.cycles))] if made else []
 
+    def _is_promising(self, order: Loop, best: Restructured) -> bool:
+        """Whether an order is better than the best of another one with its factors, of the same
+        loops or of those in the same places: else it is not given others.
+        """
+        alike = with_factors_of(order, best.tree)
+        self.trees.expect(alike)
+        return any(self.trees.cycles(tree) < _BETTER * best.cycles for tree in alike)
+
     def _expect_factors(self, tree: Loop, jammed: list[tuple[Path, ...]]) -> None:
         """Has an order's first group made ahead with the factors that will be tried, where it is
         known what they are.
         """
         for group in jammed[:1]:
             given = of_group(group, self._first(tree, group))
-            tried = [describe(one) for one in self._masked_and_not(tree, given)]
-            if all(name in self.trees.tried for name in tried):
+            if describe(self._with(tree, given, True)) in self.trees.tried:
                 before, self.trees.stored = self.trees.stored, STORED / len(jammed)
                 first, masked = self._first(tree, group), self._is_better_masked(tree, given)
                 lengths = [self._length(at(tree, path)) for path in group]
@@ -238,13 +258,13 @@ class _Climb:
 
     def _mask_otherwise(self) -> None:
         """Masks one loop after the other of the best form, if it is not masked, or no longer, where
-        that is better: what columns next to each other load is carried if rows alone are masked.
+        that may be better: what columns next to each other load is carried if rows alone are
+        masked, and rows of which the loops inside have other lengths each have a mask in them.
         """
         best = self._expect_otherwise()
         if best is None:
             return
-        loops = {path: loop for path, loop in loops_in(best.tree) if loop.factor > 1}
-        for path, loop in loops.items():
+        for path, loop in self._masked_in_vain(best.tree):
             tree = self._otherwise(best.tree, path, loop)
             name = describe(tree)
             if name in self.trees.tried:
@@ -262,10 +282,37 @@ class _Climb:
         best = min(self.trees.all_made, key=lambda one: one.cycles, default=None)
         if best is None or has_skews(best.tree):
             return None
-        loops = ((path, loop) for path, loop in loops_in(best.tree) if loop.factor > 1)
+        loops = self._masked_in_vain(best.tree)
         trees = (self._otherwise(best.tree, path, loop) for path, loop in loops)
         self.trees.expect(tree for tree in trees if describe(tree) not in self._masked)
         return best
+
+    def _masked_in_vain(self, tree: Loop) -> list[tuple[Path, Loop]]:
+        """Loops with factors that may be better masked, or no longer: other masks are outside of
+        innermost loops (of 40 forms of NPBench without one, none was better by `_MASKED`).
+        """
+        return [
+            (path, loop)
+            for path, loop in loops_in(tree)
+            if loop.factor > 1
+            if not loop.masked or _is_innermost(loop) or self._is_felt_inside(tree, loop)
+        ]
+
+    def _is_felt_inside(self, tree: Loop, loop: Loop) -> bool:
+        """Whether loops inside, whose iterations run one after the other, differ in their bounds
+        from one iteration of this loop to the next, or access elements that the next one does.
+        """
+        single = [one for _, one in loops_in(tree) if one.factor == 1]
+        for statement in self.trees.scop.statements:
+            own = loop.over.get(statement.name)
+            inner = {one.over.get(statement.name) for one in single}
+            dims = (dim for dim in statement.dims if dim.name in inner)
+            if any(own in bound.names for dim in dims for bound in dim.bounds):
+                return True
+            forms = (form for access in statement.accesses.values() for form in access.subscripts)
+            if any(own in form.names and form.names & inner for form in forms):
+                return True
+        return False
 
     def _otherwise(self, tree: Loop, path: Path, loop: Loop) -> Loop:
         """The tree with this loop of it masked, or no longer."""
@@ -295,29 +342,37 @@ class _Climb:
 
     def _is_better_masked(self, tree: Loop, given: Mapping[Path, int]) -> bool:
         """Whether what does not fill a group is masked, instead of behind the others: it takes less
-        code, but for triangles, of which both are made.
+        code, but for triangles, of which both are made if there may be room.
         """
         if has_skews(tree):
             return True  # what some iterations of a group run would be long
-        self.trees.expect(self._masked_and_not(tree, given))
-        if self._is_far_too_long(self._with(tree, given, True)):
+        masked = self._with(tree, given, True)
+        self.trees.expect([masked])
+        if self._is_far_too_long(masked) or not self._is_triangle(tree, given):
             return True
-        masked = self.trees.cycles(self._with(tree, given, True))
-        if masked < math.inf and not self._is_triangle(tree, given):
+        if not self._may_do_without(self.trees.attempt(masked)):
             return True
-        return masked < self.trees.cycles(with_factors(tree, given))
+        return self.trees.cycles(masked) < self.trees.cycles(with_factors(tree, given))
+
+    def _may_do_without(self, masked: Restructured | None) -> bool:
+        """Whether there may be room for what is masked behind the others, and cycles to gain; what
+        cannot be masked can be written so, perhaps.
+        """
+        if masked is None or masked.cycles == math.inf:
+            return masked is None
+        least = min(one.cycles for one in self.trees.all_made)
+        contexts = masked.estimate.contexts + (_LONGER - 1.0) * self.trees.own_contexts(masked)
+        return masked.cycles < _HOPELESS * least and contexts <= self.trees.contexts
 
     def _is_clear(self, tree: Loop, given: Mapping[Path, int]) -> bool:
-        """Whether it makes much of a difference to these factors if loops are masked."""
-        both = [self.trees.tried.get(describe(one)) for one in self._masked_and_not(tree, given)]
+        """Whether it makes much of a difference to these factors if loops are masked, or those
+        that are not were not even tried.
+        """
+        pair = self._with(tree, given, True), with_factors(tree, given)
+        both = [self.trees.tried.get(describe(one)) for one in pair]
         cycles = [math.inf if one is None else one.cycles for one in both]
-        return _CLEARLY * min(cycles) < max(cycles) < math.inf
-
-    def _masked_and_not(self, tree: Loop, given: Mapping[Path, int]) -> list[Loop]:
-        """What `_is_better_masked` compares."""
-        masked = self._with(tree, given, True)
-        both = not has_skews(tree) and self._is_triangle(tree, given)
-        return [masked, with_factors(tree, given)] if both else [masked]
+        is_tried = describe(pair[-1]) in self.trees.tried
+        return not is_tried or _CLEARLY * min(cycles) < max(cycles) < math.inf
 
     def _with(self, tree: Loop, given: Mapping[Path, int], masked: bool) -> Loop:
         """The tree with factors; nothing is masked where they divide lengths that are known."""
@@ -434,6 +489,10 @@ class _Climb:
             return None
         lengths = {limit.constant - first.constant for first, limit in (d.bounds for d in dims)}
         return lengths.pop() if len(lengths) == 1 else None
+
+
+def _is_innermost(loop: Loop) -> bool:
+    return not any(isinstance(child, Loop) for child in loop.children)
 
 
 def _is_tile(tree: Loop, group: tuple[Path, ...]) -> bool:

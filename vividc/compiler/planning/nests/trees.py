@@ -95,6 +95,10 @@ class Trees:
         """All that was made."""
         return [one for one in self.tried.values() if one is not None]
 
+    def own_contexts(self, made: Restructured) -> int:
+        """The fewest contexts that this nest takes, without the other ones."""
+        return made.estimate.contexts - self.apart.contexts
+
     def cycles(self, tree: Loop) -> float:
         """Of a tree; infinite if nothing is made of it."""
         made = self.attempt(tree)

@@ -233,6 +233,25 @@ def with_factors(tree: Loop, factors: Mapping[Path, int], *, masked: bool = Fals
     return tree
 
 
+def with_factors_of(tree: Loop, other: Loop) -> list[Loop]:
+    """The tree with the factors and masks of another order of the same statements: of loops over
+    the same coordinates, and of loops in the same places; as far as it has such loops.
+    """
+    theirs = [loop for _, loop in loops_in(other)]
+    own = list(loops_in(tree))
+    by_name = {frozenset(loop.over.items()): loop for loop in theirs}
+    named = [(path, by_name.get(frozenset(loop.over.items()))) for path, loop in own]
+    placed = [(path, loop) for (path, _), loop in zip(own, theirs, strict=False)]
+    found: dict[str, Loop] = {}
+    for pairs in (named, placed):
+        made = tree
+        for path, loop in pairs:
+            if loop is not None:
+                made = with_factors(made, {path: loop.factor}, masked=loop.masked)
+        found[describe(made)] = made
+    return list(found.values())
+
+
 def has_skews(tree: Tree) -> bool:
     """Whether a loop of it is skewed."""
     return any(loop.skew for _, loop in loops_in(tree))
