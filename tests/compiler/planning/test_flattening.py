@@ -55,16 +55,13 @@ def test_short_rows_are_flattened() -> None:
     assert cycles < vividc.simulate(plain, *workload.fresh()).cycles
 
 
-@vividc.kernel("void(float32[::1], int32[::1], float32[::1])")
+@vividc.kernel("void(int32[::1], int32[::1], int32[::1])")
 def much_around(a, start, w):
-    """Sixteen chains around a loop, which one loop would have in each of its iterations."""
+    """A loop in the midst of operations that one loop would have in each of its iterations."""
     for i in range(a.shape[0]):
-        total = np.float32(0.0)
-        for chain in range(16):
-            x = a[i] + np.float32(chain)
-            for _ in range(4):
-                x = x * w[0] + w[1]
-            total += x
+        total = a[i]
+        for n in range(40):
+            total ^= ((a[i] >> (n & 7)) + n) * (a[i] | n)
         for k in range(start[i], start[i + 1]):
             w[(k + 2) & 15] += total
         a[i] = total
