@@ -6,7 +6,9 @@ import math
 from collections.abc import Iterator, Mapping
 from itertools import product
 
-from vividc.ssa.polyhedral.orders.search import Path
+from vividc.ssa.polyhedral.orders.search import Path, loops_in
+from vividc.ssa.polyhedral.scop import Scop
+from vividc.ssa.polyhedral.trees import Loop
 
 FACTORS = ((4, 4), (4,))
 OF_SKEWED = (2, 4)
@@ -62,6 +64,27 @@ FIRST = (((4, 4), 8), ((1, 8), 4), ((2, 2), 2))
 """What orders are compared by: the first of these whose code fits into the contexts, of two loops
 and of one.
 """
+
+
+def are_masks_felt(tree: Loop, loop: Loop, scop: Scop) -> bool:
+    """Whether loops in a masked one, whose iterations run one after the other, differ in their
+    bounds from one iteration of it to the next, access elements that the next one does, or could
+    carry elements from one of their iterations to the next, which they cannot under a mask.
+    """
+    single = [one for _, one in loops_in(tree) if one.factor == 1]
+    for statement in scop.statements:
+        own = loop.over.get(statement.name)
+        inner = {one.over.get(statement.name) for one in single}
+        dims = (dim for dim in statement.dims if dim.name in inner)
+        if any(own in bound.names for dim in dims for bound in dim.bounds):
+            return True
+        places = {(one.array, one.subscripts) for one in statement.accesses.values()}
+        if any(own in form.names and form.names & inner for _, at in places for form in at):
+            return True
+        steps = {(array, tuple(form.terms for form in forms)) for array, forms in places}
+        if own is not None and len(steps) < len(places):
+            return True
+    return False
 
 
 def filling(lengths: list[int | None]) -> list[tuple[int, ...]]:

@@ -19,6 +19,7 @@ from vividc.compiler.planning.nests.factors import (
     OF_WAITING,
     PAYS,
     SMALLER,
+    are_masks_felt,
     are_past_the_best,
     chosen,
     covers,
@@ -295,24 +296,8 @@ class _Climb:
             (path, loop)
             for path, loop in loops_in(tree)
             if loop.factor > 1
-            if not loop.masked or _is_innermost(loop) or self._is_felt_inside(tree, loop)
+            if not loop.masked or _is_innermost(loop) or are_masks_felt(tree, loop, self.trees.scop)
         ]
-
-    def _is_felt_inside(self, tree: Loop, loop: Loop) -> bool:
-        """Whether loops inside, whose iterations run one after the other, differ in their bounds
-        from one iteration of this loop to the next, or access elements that the next one does.
-        """
-        single = [one for _, one in loops_in(tree) if one.factor == 1]
-        for statement in self.trees.scop.statements:
-            own = loop.over.get(statement.name)
-            inner = {one.over.get(statement.name) for one in single}
-            dims = (dim for dim in statement.dims if dim.name in inner)
-            if any(own in bound.names for dim in dims for bound in dim.bounds):
-                return True
-            forms = (form for access in statement.accesses.values() for form in access.subscripts)
-            if any(own in form.names and form.names & inner for form in forms):
-                return True
-        return False
 
     def _otherwise(self, tree: Loop, path: Path, loop: Loop) -> Loop:
         """The tree with this loop of it masked, or no longer."""
@@ -348,31 +333,32 @@ class _Climb:
             return True  # what some iterations of a group run would be long
         masked = self._with(tree, given, True)
         self.trees.expect([masked])
-        if self._is_far_too_long(masked) or not self._is_triangle(tree, given):
+        if self._is_far_too_long(masked):
             return True
-        if not self._may_do_without(self.trees.attempt(masked)):
+        made = self.trees.attempt(masked)
+        if made is not None and not (self._is_triangle(tree, given) and self._may_do_without(made)):
             return True
         return self.trees.cycles(masked) < self.trees.cycles(with_factors(tree, given))
 
-    def _may_do_without(self, masked: Restructured | None) -> bool:
-        """Whether there may be room for what is masked behind the others, and cycles to gain; what
-        cannot be masked can be written so, perhaps.
-        """
-        if masked is None or masked.cycles == math.inf:
-            return masked is None
+    def _may_do_without(self, masked: Restructured) -> bool:
+        """Whether there may be room for what is masked behind the others, and cycles to gain."""
         least = min(one.cycles for one in self.trees.all_made)
         contexts = masked.estimate.contexts + (_LONGER - 1.0) * self.trees.own_contexts(masked)
         return masked.cycles < _HOPELESS * least and contexts <= self.trees.contexts
 
     def _is_clear(self, tree: Loop, given: Mapping[Path, int]) -> bool:
-        """Whether it makes much of a difference to these factors if loops are masked, or those
-        that are not were not even tried.
+        """Whether it makes much of a difference to these factors if loops are masked, or none was
+        tried without and no loop inside feels the masks.
         """
-        pair = self._with(tree, given, True), with_factors(tree, given)
-        both = [self.trees.tried.get(describe(one)) for one in pair]
+        masked = self._with(tree, given, True)
+        pair = [describe(masked), describe(with_factors(tree, given))]
+        if pair[-1] not in self.trees.tried:
+            loops, scop = [at(masked, path) for path in given], self.trees.scop
+            felt = any(are_masks_felt(masked, loop, scop) for loop in loops)
+            return self._is_triangle(tree, given) or not felt
+        both = map(self.trees.tried.get, pair)
         cycles = [math.inf if one is None else one.cycles for one in both]
-        is_tried = describe(pair[-1]) in self.trees.tried
-        return not is_tried or _CLEARLY * min(cycles) < max(cycles) < math.inf
+        return _CLEARLY * min(cycles) < max(cycles) < math.inf
 
     def _with(self, tree: Loop, given: Mapping[Path, int], masked: bool) -> Loop:
         """The tree with factors; nothing is masked where they divide lengths that are known."""
