@@ -91,6 +91,50 @@ def test_a_loop_that_carries_a_number_stays() -> None:
     assert taken_in(made) is made
 
 
+STALE = """param "x" float32[1]
+param "y" float32[1]
+b0:
+  %0 pred = icmp.slt 0x3, $"x.shape0"
+  branch %0 b1 else b5
+b1:
+  %1 f32 = load $"&x", 0x2 array "x" shift 2
+  %2 f32 = sqrt %1
+  %3 none = store $"&x", 0x2, %2 array "x" shift 2
+  %4 f32 = load $"&x", 0x2 array "x" shift 2
+  %11 f32 = fadd %4, %4
+  %12 none = store $"&y", 0x2, %11 array "y" shift 2
+  jump b2
+b2:
+  %5 i32 = phi [b1: 0x3, b3: %6]
+  %7 pred = icmp.slt %5, $"x.shape0"
+  branch %7 b3 else b5
+b3:
+  %8 f32 = load $"&x", %5 array "x" shift 2
+  %9 f32 = sqrt %8
+  %10 none = store $"&x", %5, %9 array "x" shift 2
+  %13 f32 = load $"&x", %5 array "x" shift 2
+  %14 f32 = fadd {read}, {read}
+  %15 none = store $"&y", %5, %14 array "y" shift 2
+  %6 i32 = add %5, 0x1 exact
+  jump b2
+b5:
+  return
+"""
+
+
+@pytest.mark.parametrize(("read", "is_taken"), [("%13", True), ("%4", False)])
+def test_what_is_loaded_between_stores_and_read_later_keeps_these(
+    read: str, is_taken: bool
+) -> None:
+    before = function(STALE.format(read=read))
+    made = taken_in(before)
+    assert (made is not before) == is_taken
+    arrays = [np.linspace(2, 9, 12, dtype=np.float32).reshape(2, 6) for _ in (before, made)]
+    for one, pair in zip((before, made), arrays, strict=True):
+        interpret(one, *pair)
+    np.testing.assert_array_equal(*arrays)
+
+
 @vividc.kernel(f"void({M})")
 def factor(a):
     """cholesky by inner products of slices, the first row before the others."""

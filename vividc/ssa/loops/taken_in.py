@@ -7,8 +7,9 @@ those of the loops inside do.
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import dropwhile
 from typing import Final
 
 from vividc.machine.opcodes import MEMORY, Opcode
@@ -16,7 +17,7 @@ from vividc.machine.words import WORD_MASK, signed
 from vividc.ssa.analysis.constants import constant_value
 from vividc.ssa.analysis.induction import constant_step, initial, is_invariant
 from vividc.ssa.analysis.order import Order, Sum
-from vividc.ssa.edit import with_blocks
+from vividc.ssa.edit import read_values, with_blocks
 from vividc.ssa.flow import Loop, find_loops, predecessors
 from vividc.ssa.ir import Block, Const, Function, Instr, Phi, Ref, Value, definition_of
 from vividc.ssa.rewrite.tidy import tidy
@@ -61,13 +62,26 @@ def _with_one_more(function: Function, header: str) -> Function | None:
         return None
     again, last = iteration.forms(), done.accessed[-len(iteration.accessed) :]
     stores = [one.id for one in last if one.op is Opcode.STORE]
-    if not stores or again != done.forms()[-len(again) :]:
+    if not stores or again != done.forms()[-len(again) :] or _is_read_later(function, before, last):
         return None
     kept = tuple(one for one in before.instrs if one.id not in stores)
     incoming = tuple((at, entry if at == before.name else one) for at, one in phi.incoming)
     head = function.by_name[header]
     changed = (replace(head, phis=(replace(phi, incoming=incoming),)), replace(before, instrs=kept))
     return with_blocks(function, changed)
+
+
+def _is_read_later(function: Function, before: Block, last: Sequence[Instr]) -> bool:
+    """Whether another block reads what follows from loads behind the first of these stores: without
+    the stores they load something else.
+    """
+    behind = {one.id for one in dropwhile(lambda one: one.op is not Opcode.STORE, last)}
+    changed: set[Value] = set()
+    for one in before.instrs:
+        if one.id in behind or not changed.isdisjoint(one.operands):
+            changed.add(Ref(one.id))
+    others = (block for block in function.blocks if block is not before)
+    return any(value in changed for block in others for value in read_values(block))
 
 
 def _counted(function: Function, loop: Loop) -> tuple[Phi, Block, int] | None:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import vividc
+from tests.fuzz.witnesses import load
 from tests.ssa.support import function
 from vividc.ssa.check import check_function
 from vividc.ssa.interpret import interpret
@@ -95,3 +98,48 @@ def test_elements_are_those_of_python(shapes: tuple[tuple[int, int], ...]) -> No
     turned.py_func(a, wanted)
     interpret(turned.lower(), a, b)
     np.testing.assert_array_equal(b, wanted)
+
+
+RELATED = """import vividc
+
+@vividc.kernel("void(float32[:, ::1], float32[::1], float32[::1])")
+def related(a, b, c):
+    if a.shape[0] != a.shape[1]:
+        raise ValueError("square")
+    if {test}:
+        raise ValueError("sizes")
+    for i in range(b.shape[0]):
+        b[i] += a[0, 0]
+    for i in range(c.shape[0]):
+        c[i] += a[a.shape[0] - 1, a.shape[1] - 1]
+"""
+
+
+@pytest.mark.parametrize(
+    ("test", "sizes"),
+    [
+        ("a.shape[0] + b.shape[0] != c.shape[0]", (4, 3, 7)),
+        ("b.shape[0] - c.shape[0] != a.shape[0]", (4, 7, 3)),
+        ("2 * a.shape[0] != b.shape[0]", (3, 6, 2)),
+        ("b.shape[0] != 3 * c.shape[0]", (3, 6, 2)),
+        ("b.shape[0] != c.shape[0] + 1", (2, 4, 3)),
+        ("a.shape[0] + a.shape[1] != b.shape[0]", (2, 4, 1)),
+        ("2 * b.shape[0] != 2 * c.shape[0]", (2, 5, 5)),
+        ("b.shape[0] + c.shape[0] != 2 * a.shape[0]", (4, 3, 5)),
+        ("b.shape[0] != c.shape[0] or c.shape[0] != a.shape[0]", (4, 4, 4)),
+        ("b.shape[0] < c.shape[0] or c.shape[0] < b.shape[0]", (2, 5, 5)),
+    ],
+)
+def test_dimensions_that_are_related_otherwise_keep_their_names(
+    test: str, sizes: tuple[int, int, int], tmp_path: Path
+) -> None:
+    """A sum of three that are in balance is no pair of equal ones."""
+    kernel = load(RELATED.format(test=test), tmp_path).related
+    rows, *others = sizes
+    a = np.arange(rows * rows, dtype=np.float32).reshape(rows, rows) + 1
+    mine = [np.zeros(size, np.float32) for size in others]
+    wanted = [one.copy() for one in mine]
+    kernel.py_func(a, *wanted)
+    interpret(kernel.lower(), a, *mine)
+    for found, one in zip(mine, wanted, strict=True):
+        np.testing.assert_array_equal(found, one)

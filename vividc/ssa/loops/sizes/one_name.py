@@ -51,12 +51,15 @@ def _ranks(function: Function) -> dict[Value, int]:
 
 
 def _names(facts: Iterable[Sum], ranks: dict[Value, int]) -> Iterator[tuple[Value, Value]]:
-    """Dimensions, and what each is called where these sums are not negative."""
+    """Dimensions, and what each is called where these sums are not negative: nor is that of two
+    which are equal, one less the other, the other way round.
+    """
     known = frozenset(facts)
     groups: list[set[Value]] = []
     for one in facts:
         pair = {value for value, _ in one.terms}
-        if one.constant or not pair <= ranks.keys() or Sum(()).less(one) not in known:
+        is_difference = not one.constant and sorted(times for _, times in one.terms) == [-1, 1]
+        if not is_difference or not pair <= ranks.keys() or Sum(()).less(one) not in known:
             continue
         joined = pair.union(*(group for group in groups if group & pair))
         groups = [*(group for group in groups if not group & pair), joined]
