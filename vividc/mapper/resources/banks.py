@@ -274,7 +274,7 @@ class Traffic:
 
     def touches(self, array: str) -> bool:
         """Whether one of the accesses is to an array."""
-        return any(node.name == array for node in self.accesses)
+        return array in self._arrays
 
     def arrays(self, among: Collection[str] | None = None) -> frozenset[str]:
         """The arrays that are accessed, of all or of these."""

@@ -265,7 +265,7 @@ class _Climb:
         best = self._expect_otherwise()
         if best is None:
             return
-        for path, loop in self._masked_in_vain(best.tree):
+        for path, loop in self._to_be_masked_otherwise(best.tree):
             tree = self._otherwise(best.tree, path, loop)
             name = describe(tree)
             if name in self.trees.tried:
@@ -283,12 +283,12 @@ class _Climb:
         best = min(self.trees.all_made, key=lambda one: one.cycles, default=None)
         if best is None or has_skews(best.tree):
             return None
-        loops = self._masked_in_vain(best.tree)
+        loops = self._to_be_masked_otherwise(best.tree)
         trees = (self._otherwise(best.tree, path, loop) for path, loop in loops)
         self.trees.expect(tree for tree in trees if describe(tree) not in self._masked)
         return best
 
-    def _masked_in_vain(self, tree: Loop) -> list[tuple[Path, Loop]]:
+    def _to_be_masked_otherwise(self, tree: Loop) -> list[tuple[Path, Loop]]:
         """Loops with factors that may be better masked, or no longer: other masks are outside of
         innermost loops (of 40 forms of NPBench without one, none was better by `_MASKED`).
         """
