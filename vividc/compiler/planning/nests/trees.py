@@ -85,7 +85,7 @@ class Trees:
     def __post_init__(self) -> None:
         self.relations = Relations(self.scop)
         self.contexts = self.estimator.fabric.controller.contexts
-        self.larger = {name: _LARGER * length for name, length in self.symbols.items()}
+        self.larger = {name: _LARGER * length - 1 for name, length in self.symbols.items()}
         inside = {dim.header for one in self.scop.statements for dim in one.dims}
         function, hints = self.state.function, self.state.hints
         self.apart = Apart.of(self.estimator, function, hints, inside)
