@@ -23,7 +23,9 @@ from vividc.compiler.planning.gains import (
     LARGE,
     LITTLE,
     OPERATIONS_PER_PE,
+    in_vain,
     pays_inside,
+    too_large,
 )
 from vividc.compiler.planning.interleave import loops_around_waiting
 from vividc.compiler.planning.nests.parts import Restructured, joined_parts, static_part
@@ -36,7 +38,6 @@ from vividc.compiler.planning.plan import (
     Stage,
     better_last,
     clearly_better,
-    too_large,
 )
 from vividc.compiler.planning.state import State
 from vividc.errors import TimeLimit
@@ -457,7 +458,7 @@ class _Chooser(Draft):
         time_limit.step("loop transformations were chosen")
         share, limit = GAIN[candidate.kind], self._most_operations(base, candidate.kind)
         is_rare = self._is_rare(base, changed_by(base.state, candidate), 1.0 - share - _BESIDE)
-        reason = _TOO_RARE if is_rare else self.in_vain(base, candidate, share, limit)
+        reason = _TOO_RARE if is_rare else in_vain(self.estimator, base, candidate, limit)
         foreseen = None if reason else self.foreseen(base, candidate, share, limit)
         if reason or foreseen is not None:
             self.note(base, candidate, foreseen, reason or _NO_GAIN)

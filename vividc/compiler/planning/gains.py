@@ -1,12 +1,17 @@
-"""What a transformation has to bring, and how large it may make a loop."""
+"""What a transformation has to bring, how large it may make a loop, and which are sure to bring
+less or to make a larger one.
+"""
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
-from vividc.compiler.planning.candidates import Kind
-from vividc.compiler.planning.estimate import Estimate
+from vividc.compiler.planning.candidates import MOST_ITERATIONS, Candidate, Kind
+from vividc.compiler.planning.estimate import Estimate, Estimator, RegionCost
 from vividc.compiler.planning.plan import Stage
+from vividc.ssa.analysis.constant_trips import constant_trips
+from vividc.ssa.flow import find_loops
 
 OPERATIONS_PER_PE: Final[dict[Kind, int]] = {
     "full unrolling": 24,
@@ -57,3 +62,106 @@ def pays_inside(base: Stage, header: str, estimate: Estimate) -> bool:
     saved = base.estimate.cycles - estimate.cycles
     least = (1.0 - GAIN["restructuring"]) * base.cycles_in(header)
     return saved >= max(least, LITTLE * base.estimate.cycles)
+
+
+_UNROLLED: Final = frozenset({"unrolling", "masked unrolling"})
+_SURE, _SURE_OF_ALL = 1.25, 2.5
+"""An unrolled loop of so many times the operations that it may have is not made, and one around
+another that is unrolled fully: of 97 loops of 234 kernels that were unrolled, one kept 0.57 times
+as many operations as it had in all iterations, the others 0.62 and more; those that stayed loops
+0.89 times and more.
+"""
+
+_KEPT: Final = 0.8
+"""Of the cycles that all PEs need for each operation of a nest in each iteration of its inner loop,
+what one loop takes at least: of 46 nests of NPBench one took 0.88, the others 1.2 and more.
+"""
+
+_IN_GROUPS: Final = _UNROLLED | {"partial results"}
+_OF_GROUP: Final = 0.85
+"""Of the operations of a group's iterations, those that are left of them at least. Of 456 loops of
+NPBench that were tried in groups, a third has no room for a gain that pays if so many are left, and
+none of these paid; at 0.89 one of 191 that paid would have none.
+"""
+
+_COUNTERS: Final = 2
+"""An II to which counters of iterations bind a loop, too: those of a group are counted together."""
+
+
+def too_large(operations: int, limit: int) -> str:
+    """Why a loop is not made."""
+    return f"a loop would have {operations} operations, more than {limit}"
+
+
+def in_vain(estimator: Estimator, base: Stage, candidate: Candidate, limit: int) -> str:
+    """Why a candidate need not be made, by what its loop is now: it is sure to have more operations
+    than the `limit`, or not to come to the share of all cycles that pays; else nothing.
+    """
+    fits = base.estimate.cycles < math.inf
+    pays = (1.0 - GAIN[candidate.kind]) * base.estimate.cycles if fits else -math.inf
+    if candidate.kind == "flattening":
+        return _flattened_in_vain(estimator, base, candidate.header, pays)
+    cost = base.estimate.loop(candidate.header)
+    if cost is None:
+        return ""
+    large = _is_surely_larger(estimator, base, candidate, cost, limit)
+    return large or _grouped_in_vain(estimator, candidate, cost, pays)
+
+
+def _is_surely_larger(
+    estimator: Estimator, base: Stage, candidate: Candidate, cost: RegionCost, limit: int
+) -> str:
+    """Of a loop that recurrences do not give a mapper room for."""
+    if not estimator.largest_loop(Estimate(cost.cycles, (cost,))):
+        return ""
+    times, sure = (candidate.factor if candidate.kind in _UNROLLED else 0), _SURE
+    if candidate.kind == "full unrolling" and _is_only_one_inside(base, candidate.header):
+        function, loop = base.state.function, base.state.loop(candidate.header)
+        trips = constant_trips(function, loop, MOST_ITERATIONS)
+        times, sure = (0 if trips is None else trips.iterations), _SURE_OF_ALL
+    operations = times * cost.shape.operations
+    return too_large(operations, limit) if operations > sure * limit else ""
+
+
+def _grouped_in_vain(
+    estimator: Estimator, candidate: Candidate, cost: RegionCost, pays: float
+) -> str:
+    """Iterations that run together take what all PEs need for their operations, and what the
+    recurrence needs that each of them goes on with, unless each has a result of its own.
+    """
+    if candidate.kind not in _IN_GROUPS:
+        return ""
+    factor, shape = candidate.factor, cost.shape
+    least = math.ceil(_OF_GROUP * factor * shape.operations / len(estimator.fabric.pes))
+    if shape.bound is not None and shape.bound.name == "RecMII":
+        is_shared = candidate.kind == "partial results" or shape.ii <= _COUNTERS
+        least = max(least, shape.ii if is_shared else factor * shape.ii)
+    rest = 0.0 if candidate.kind == "unrolling" else (factor - 1) / 2
+    groups = (cost.trips + rest) / factor
+    if cost.runs * (cost.trips * shape.ii - groups * least) >= pays:
+        return ""
+    return f"{factor} of its iterations would take {least} cycles, one takes {shape.ii}"
+
+
+def _flattened_in_vain(estimator: Estimator, base: Stage, header: str, pays: float) -> str:
+    """Each iteration executes what is around the inner loop, too."""
+    inside = base.state.loop(header).blocks
+    costs = [cost for cost in base.estimate.regions if cost.header in inside]
+    loops = [cost for cost in costs if cost.kind == "loop"]
+    if len(loops) != 1:
+        return ""
+    operations = sum(cost.shape.operations for cost in costs)
+    iterations = loops[0].runs * loops[0].trips
+    least = _KEPT * iterations * operations / len(estimator.fabric.pes)
+    own = base.cycles_in(header, estimator.fabric.controller.switch_cycles)
+    if own - least >= pays:
+        return ""
+    return f"one loop would have {operations} operations in each of {iterations:.0f} iterations"
+
+
+def _is_only_one_inside(base: Stage, header: str) -> bool:
+    """Whether the loop around this one is an innermost loop without it."""
+    loops = [one for one in find_loops(base.state.function) if one.header != header]
+    around = [one.blocks for one in loops if header in one.blocks]
+    inmost = min(around, key=len, default=frozenset())
+    return sum(one.header in inmost for one in loops) == 1

@@ -7,13 +7,12 @@ import math
 from collections.abc import Callable, Collection, Hashable, Iterator
 from dataclasses import dataclass, field, replace
 
-from vividc.compiler.planning.candidates import MOST_ITERATIONS, Candidate, Kind, apply
-from vividc.compiler.planning.estimate import Estimate, Estimator, RegionCost
+from vividc.compiler.planning.candidates import Candidate, Kind, apply
+from vividc.compiler.planning.estimate import Estimate, Estimator
 from vividc.compiler.planning.nests.parts import with_tree
 from vividc.compiler.planning.options import LoopOptions
 from vividc.compiler.planning.state import State
 from vividc.errors import SourceLoc
-from vividc.ssa.analysis.constant_trips import constant_trips
 from vividc.ssa.analysis.frequency import expected_trips
 from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.loops.left_out import without_loops
@@ -74,11 +73,6 @@ class Stage:
         return sum(cost.cycles + cost.runs * switch for cost in own)
 
 
-def too_large(operations: int, limit: int) -> str:
-    """Why a loop is not made."""
-    return f"a loop would have {operations} operations, more than {limit}"
-
-
 @dataclass(frozen=True)
 class Plan:
     """Stages from the kernel as it was to the most transformed one, and what was decided.
@@ -99,21 +93,6 @@ _NEARLY, _ABOUT = 1.02, {"flattening": 1.05}
 """What a kernel takes by what one nest alone gains is so many times what it is estimated to take,
 at most: of 274 candidates of three programs of NPBench 1.039 times for flattening (which saves
 regions between nests, too), 1.014 for others.
-"""
-
-
-_UNROLLED = frozenset({"unrolling", "masked unrolling"})
-_SURE, _SURE_OF_ALL = 1.25, 2.5
-"""An unrolled loop of so many times the operations that it may have is not made, and one around
-another that is unrolled fully: of 97 loops of 234 kernels that were unrolled, one kept 0.57 times
-as many operations as it had in all iterations, the others 0.62 and more; those that stayed loops
-0.89 times and more.
-"""
-
-
-_KEPT = 0.8
-"""Of the cycles that all PEs need for each operation of a nest in each iteration of its inner loop,
-what one loop takes at least: of 46 nests of NPBench one took 0.88, the others 1.2 and more.
 """
 
 
@@ -192,51 +171,6 @@ class Draft:
         is_in_vain = fits and least < cycles < math.inf
         is_small = self.estimator.largest_loop(estimate) <= limit
         return replace(estimate, cycles=cycles) if is_in_vain and is_small else None
-
-    def in_vain(self, base: Stage, candidate: Candidate, share: float, limit: int) -> str:
-        """Why a loop need not be unrolled: it is sure to have more operations than the `limit`, by
-        those that it has; or a nest not be flattened: it is sure not to come to the `share` of all
-        cycles that pays; else nothing.
-        """
-        if candidate.kind == "flattening":
-            return self._flattened_in_vain(base, candidate.header, share)
-        cost = base.estimate.loop(candidate.header)
-        if cost is None or not self._largest(cost):
-            return ""
-        times, sure = (candidate.factor if candidate.kind in _UNROLLED else 0), _SURE
-        if candidate.kind == "full unrolling" and self._is_only_one_inside(base, candidate.header):
-            function, loop = base.state.function, base.state.loop(candidate.header)
-            trips = constant_trips(function, loop, MOST_ITERATIONS)
-            times, sure = (0 if trips is None else trips.iterations), _SURE_OF_ALL
-        operations = times * cost.shape.operations
-        return too_large(operations, limit) if operations > sure * limit else ""
-
-    def _flattened_in_vain(self, base: Stage, header: str, share: float) -> str:
-        """Each iteration executes what is around the inner loop, too."""
-        inside = base.state.loop(header).blocks
-        costs = [cost for cost in base.estimate.regions if cost.header in inside]
-        loops = [cost for cost in costs if cost.kind == "loop"]
-        if len(loops) != 1:
-            return ""
-        operations = sum(cost.shape.operations for cost in costs)
-        iterations = loops[0].runs * loops[0].trips
-        least = _KEPT * iterations * operations / len(self.estimator.fabric.pes)
-        own = base.cycles_in(header, self.estimator.fabric.controller.switch_cycles)
-        if own - least >= (1.0 - share) * base.estimate.cycles:
-            return ""
-        return f"one loop would have {operations} operations in each of {iterations:.0f} iterations"
-
-    def _largest(self, cost: RegionCost) -> int:
-        """Operations of a loop, if recurrences do not give a mapper room for them."""
-        return self.estimator.largest_loop(Estimate(cost.cycles, (cost,)))
-
-    @staticmethod
-    def _is_only_one_inside(base: Stage, header: str) -> bool:
-        """Whether the loop around this one is an innermost loop without it."""
-        loops = [one for one in find_loops(base.state.function) if one.header != header]
-        around = [one.blocks for one in loops if header in one.blocks]
-        inmost = min(around, key=len, default=frozenset())
-        return sum(one.header in inmost for one in loops) == 1
 
     def _nest_alone(self, base: Stage, header: str) -> Stage | None:
         """A stage without the loops beside one; None if most of it would be left."""
