@@ -20,7 +20,7 @@ from vividc.arch.fabric import Scratchpad
 from vividc.dfg.ir import CHANGES, DFG, FROM_END, Node
 from vividc.machine.words import WORD_BYTES
 from vividc.mapper.resources.arms import Arm, arms_of
-from vividc.mapper.resources.waits import spread_slots, waits_of
+from vividc.mapper.resources.waits import spread_slots, waits_by_start, waits_of, waits_of_slot
 from vividc.ssa.analysis.polynomial import ITERATION
 from vividc.ssa.ir import Input, is_dimension, is_pitch, pitch_of
 
@@ -128,6 +128,9 @@ class Traffic:
     _stalls: dict[object, float] = field(init=False, compare=False, default_factory=dict)
     _groups: dict[object, _Group] = field(init=False, compare=False, default_factory=dict)
     _by_slot: dict[_Group, _Slots] = field(init=False, compare=False, default_factory=dict)
+    _by_start: dict[object, NDArray[np.float64]] = field(
+        init=False, compare=False, default_factory=dict
+    )
 
     @staticmethod
     def of(
@@ -205,25 +208,71 @@ class Traffic:
             self._known[key] = self._or_idle(node, bank, self.banks)
         return self._known[key]
 
+    def stalls_by_start(
+        self, array: str, known: Words = NOTHING, among: Collection[str] | None = None
+    ) -> list[float]:
+        """As `stalls`, for each bank that an array may start in."""
+        group = self._among(None if among is None else frozenset(among))
+        if self.times is None or len(group.accesses) < 2:  # noqa: PLR2004 - as below
+            starts = ({**known, f"&{array}": WORD_BYTES * bank} for bank in range(self.banks))
+            return [self.stalls(start, among) for start in starts]
+        totals = np.zeros(self.banks)
+        for slot, here in self._slots_of(group, self.times).items():
+            totals += self._slot_by_start(slot, here, array, known)
+        return totals.tolist()
+
     def _stalls_of_slots(self, group: _Group, times: Mapping[int, int], known: Words) -> float:
         """Accesses of different slots do not meet: each slot counts by itself, and anew only where
         another word is known of its addresses.
         """
+        slots = self._slots_of(group, times)
+        return sum((self._slot(slot, here, known) for slot, here in slots.items()), 0.0)
+
+    def _slots_of(self, group: _Group, times: Mapping[int, int]) -> _Slots:
+        """Accesses by slot, of slots with two at least."""
         if group not in self._by_slot:
             slots: dict[int, list[Node]] = {}
             for one in group.accesses:
                 slots.setdefault(times[one] % self.ii, []).append(self._nodes[one])
-            self._by_slot[group] = {slot: self._group(nodes) for slot, nodes in slots.items()}
-        total = 0.0
-        for slot, here in self._by_slot[group].items():
-            if len(here.accesses) < 2:  # noqa: PLR2004 - as above
-                continue
-            key = slot, here.accesses, tuple(map(known.get, here.words))
-            if key not in self._stalls:
-                banks = np.stack([self._places(self._nodes[one], known) for one in here.accesses])
-                self._stalls[key] = float(waits_of(banks, self.banks, self.banks).mean())
-            total += self._stalls[key]
-        return total
+            self._by_slot[group] = {
+                slot: self._group(nodes) for slot, nodes in slots.items() if len(nodes) > 1
+            }
+        return self._by_slot[group]
+
+    def _slot(self, slot: int, here: _Group, known: Words) -> float:
+        key = slot, here.accesses, tuple(map(known.get, here.words))
+        if key not in self._stalls:
+            self._stalls[key] = waits_of_slot(*self._banks_of(here, known), self.banks) / _DRAWN
+        return self._stalls[key]
+
+    def _slot_by_start(
+        self, slot: int, here: _Group, array: str, known: Words
+    ) -> NDArray[np.float64] | float:
+        """Of a slot for each bank that an array may start in; one number if it does not matter."""
+        word = f"&{array}"
+        if word not in here.words:
+            return self._slot(slot, here, known)
+        key = slot, here.accesses, word, tuple(known.get(one) for one in here.words if one != word)
+        if key not in self._by_start:
+            depends = [word in self._words[one] for one in here.accesses]
+            moves = [_start_of(self._nodes[one]) == word for one in here.accesses]
+            if depends == moves:
+                banks, moved = self._banks_of(here, {**known, word: 0})
+                waits = waits_by_start(banks, moved, np.array(moves, np.int64), self.banks)
+                self._by_start[key] = waits / _DRAWN
+            else:
+                starts = ({**known, word: WORD_BYTES * bank} for bank in range(self.banks))
+                self._by_start[key] = np.array([self._slot(slot, here, one) for one in starts])
+        return self._by_start[key]
+
+    def _banks_of(self, here: _Group, known: Words) -> tuple[_Draws, NDArray[np.int64]]:
+        """The banks of accesses of what is mapped, by row; -1: it is not made; and by how many each
+        is moved, as its array starts in another bank than the first.
+        """
+        nodes = [self._nodes[one] for one in here.accesses]
+        moved = [known.get(_start_of(node), 0) // WORD_BYTES for node in nodes]
+        banks = np.stack([self._bank_from_start(node, known) for node in nodes])
+        return banks, np.array(moved, np.int64)
 
     def meetings(self, known: Words = NOTHING) -> Meetings:
         """Of each two accesses, whenever they start; those that wait for the rest of an iteration
@@ -285,37 +334,31 @@ class Traffic:
         return frozenset(node.name for node in self.accesses)
 
     def _places(self, node: Node, known: Words) -> _Draws:
-        """Bank of an access; without times slot and bank, as one number."""
+        """Slot and bank of an access that starts at any time, as one number."""
         key = node.id, tuple(map(known.get, self._words[node.id]))
         if key not in self._known:
-            self._known[key] = self._found(node, known)
+            slot, drawn = (_chosen(f"{n} {node.id}", n) for n in (self.ii, _STAGES))
+            place = slot * self.banks + _bank(node, drawn, self.banks, known)
+            self._known[key] = self._or_idle(node, place, self.ii * self.banks)
         return self._known[key]
-
-    def _found(self, node: Node, known: Words) -> _Draws:
-        if self.times is not None:
-            bank = self._bank_from_start(node, self.times[node.id] // self.ii, known)
-            return self._or_idle(node, bank, self.banks)
-        slot, drawn = (_chosen(f"{n} {node.id}", n) for n in (self.ii, _STAGES))
-        bank = _bank(node, drawn, self.banks, known)
-        return self._or_idle(node, slot * self.banks + bank, self.ii * self.banks)
 
     def _or_idle(self, node: Node, places: _Draws, beside: int) -> _Draws:
         """The places of an access, one beside all of them where it is not made."""
         return np.where(self._idle(node), beside, places) if node.id in self.arms else places
 
-    def _bank_from_start(self, node: Node, stage: int, known: Words) -> _Draws:
-        """The bank of an access of what is mapped: where its array starts is added last, as layouts
-        that are compared often differ in nothing else.
+    def _bank_from_start(self, node: Node, known: Words) -> _Draws:
+        """The bank of an access of what is mapped if its array starts in the first one, -1 where it
+        is not made: where the array starts is added last, as layouts that are compared often differ
+        in nothing else.
         """
-        start = f"&{node.name}"
-        own = [factor for words, factor in node.address or () if start in words]
-        if start not in known or own != [1] or ((start,), 1) not in (node.address or ()):
-            return _bank(node, stage, self.banks, known)
-        others = tuple(known.get(word) for word in self._words[node.id] if word != start)
-        key = "from its start", node.id, others
+        start = _start_of(node)
+        words = {**known, start: 0} if start in known else known
+        key = node.id, tuple(map(words.get, self._words[node.id]))
         if key not in self._known:
-            self._known[key] = _bank(node, stage, self.banks, {**known, start: 0})
-        return (self._known[key] + known[start] // WORD_BYTES) % self.banks
+            assert self.times is not None
+            bank = _bank(node, self.times[node.id] // self.ii, self.banks, words)
+            self._known[key] = self._or_idle(node, bank, -1)
+        return self._known[key]
 
     def _idle(self, node: Node) -> NDArray[np.bool_]:
         """In which draws an access is not made."""
@@ -331,6 +374,13 @@ def words_of(banks: Mapping[str, int], pitches: Mapping[str, int]) -> dict[str, 
     """What is known of addresses, if arrays start in these banks and rows lie so far apart."""
     starts = {f"&{name}": WORD_BYTES * bank for name, bank in banks.items()}
     return starts | {pitch_of(name, 1).key: pitch for name, pitch in pitches.items()}
+
+
+def _start_of(node: Node) -> str:
+    """The word for where an access's array starts, if its address moves with that; else none."""
+    start = f"&{node.name}"
+    own = [factor for words, factor in node.address or () if start in words]
+    return start if own == [1] and ((start,), 1) in (node.address or ()) else ""
 
 
 def _bank(node: Node, stage: _Draws | int, banks: int, known: Words) -> _Draws:

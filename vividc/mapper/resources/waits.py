@@ -42,6 +42,57 @@ def _count_waits(places: Ints2, banks: int, counts: Ints, waits: Ints) -> None:
             waits[draw] += most - 1
 
 
+def waits_of_slot(places: Ints2, moved: Ints, banks: int) -> int:
+    """Cycles that a tile stands still in all draws, as accesses (by row) of one slot lie in these
+    banks, each `moved` by so many; those in bank -1 are idle.
+    """
+    total = np.zeros(1, dtype=np.int64)
+    _count_in_slot(np.ascontiguousarray(places), moved, np.zeros(banks, dtype=np.int64), total)
+    return int(total[0])
+
+
+@_compiled
+def _count_in_slot(places: Ints2, moved: Ints, counts: Ints, total: Ints) -> None:
+    for draw in range(places.shape[1]):
+        for bank in range(len(counts)):
+            counts[bank] = 0
+        most = 1
+        for access in range(places.shape[0]):
+            if places[access, draw] >= 0:
+                bank = (places[access, draw] + moved[access]) % len(counts)
+                counts[bank] += 1
+                most = max(most, counts[bank])
+        total[0] += most - 1
+
+
+def waits_by_start(places: Ints2, moved: Ints, own: Ints, banks: int) -> Ints:
+    """The same as all accesses of one array, of which `own` is 1, others' 0, lie so many banks
+    further, for each number of banks.
+    """
+    totals = np.zeros(banks, dtype=np.int64)
+    counts = np.zeros((2, banks), dtype=np.int64)
+    _count_by_start(np.ascontiguousarray(places), moved, own, counts, totals)
+    return totals
+
+
+@_compiled
+def _count_by_start(places: Ints2, moved: Ints, own: Ints, counts: Ints2, totals: Ints) -> None:
+    """`counts`: room for accesses of others, and for own ones, by bank."""
+    banks = len(totals)
+    for draw in range(places.shape[1]):
+        for bank in range(banks):
+            counts[0, bank] = 0
+            counts[1, bank] = 0
+        for access in range(places.shape[0]):
+            if places[access, draw] >= 0:
+                counts[own[access], (places[access, draw] + moved[access]) % banks] += 1
+        for start in range(banks):
+            most = 1
+            for bank in range(banks):
+                most = max(most, counts[0, bank] + counts[1, (bank + banks - start) % banks])
+            totals[start] += most - 1
+
+
 def spread_slots(places: Ints2, banks: int, choices: int, ii: int, room: int) -> Ints2:
     """The slot of each access (by row) for each choice, one after the other, as mappers place them:
     each where it meets fewest others.

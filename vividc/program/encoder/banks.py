@@ -9,7 +9,7 @@ apart, and the start of the arrays decides it.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from random import Random
 from typing import Final
 
@@ -88,14 +88,8 @@ def best_pitches(traffic: Sequence[Traffic], matrices: Mapping[str, int]) -> dic
     known: dict[str, int] = {}
     for matrix, per_word in matrices.items():
         word = pitch_of(matrix, 1).key
-        touched = [one for one in traffic if one.touches(matrix)]
-        least, floor = math.inf, _floor(touched, matrix, known)
-        for pitch in (per_word * (n % banks) for n in range(1, banks + 1)):
-            stalls = sum(one.weight * one.stalls({**known, word: pitch}) for one in touched)
-            if stalls < (1.0 - _NOISE) * least:
-                known[word], least = pitch, stalls
-            if (1.0 - _NOISE) * least <= floor:
-                break
+        values = (per_word * (n % banks) for n in range(1, banks + 1))
+        known[word] = _best_value(traffic, (matrix, word), values, known, _NOISE)
     return {matrix: known[pitch_of(matrix, 1).key] for matrix in matrices}
 
 
@@ -111,16 +105,50 @@ def best_starts(
     known = words_of({}, pitches)
     for number, array in enumerate(arrays):
         word, among = f"&{array}", arrays[: number + 1]
-        touched = [one for one in traffic if one.touches(array)]
-        least, floor = math.inf, _floor(touched, array, known, arrays[:number])
-        for start in ((number + more) % banks for more in range(banks)):
-            here = {**known, word: WORD_BYTES * start}
-            stalls = sum(one.weight * one.stalls(here, among) for one in touched)
-            if stalls < (1.0 - _GAIN) * least:
-                known[word], least = WORD_BYTES * start, stalls
-            if (1.0 - _GAIN) * least <= floor:
-                break
+        values = (WORD_BYTES * ((number + more) % banks) for more in range(banks))
+        known[word] = _best_value(traffic, (array, word), values, known, _GAIN, among)
     return {array: known[f"&{array}"] // WORD_BYTES for array in arrays}
+
+
+def _best_value(
+    traffic: Sequence[Traffic],
+    of: tuple[str, str],
+    values: Iterable[int],
+    known: Words,
+    gain: float,
+    among: Collection[str] | None = None,
+) -> int:
+    """The first of the values of an array's word with about the fewest stalls: one behind it must
+    save this share of them to be taken instead. The rest is not tried once nothing can.
+
+    Parameters
+    ----------
+    of
+        The array, and the word.
+    known
+        Other words, and what this one was before, if it was known.
+    among
+        Accesses to these arrays count; None: all do.
+    """
+    array, word = of
+    touched = [one for one in traffic if one.touches(array)]
+    starts = {
+        number: one.stalls_by_start(array, known, among)
+        for number, one in enumerate(touched)
+        if word == f"&{array}" and one.times is not None
+    }
+    kept, least, floor = 0, math.inf, _floor(touched, array, known, among)
+    for value in values:
+        here, bank = {**known, word: value}, value // WORD_BYTES
+        stalls = sum(
+            one.weight * (starts[number][bank] if number in starts else one.stalls(here, among))
+            for number, one in enumerate(touched)
+        )
+        if stalls < (1.0 - gain) * least:
+            kept, least = value, stalls
+        if (1.0 - gain) * least <= floor:
+            break
+    return kept
 
 
 Layout = tuple[dict[str, int], dict[str, int]]
@@ -184,19 +212,12 @@ def _improved(traffic: Sequence[Traffic], matrices: Mapping[str, int], layout: L
     for _ in range(_ROUNDS):
         before = dict(pitches), dict(starts)
         for name, chosen in [(name, group) for group in (pitches, starts) for name in group]:
-            touched = [one for one in busy if one.touches(name)]
-            kept, least = chosen[name], math.inf
-            floor = _floor(touched, name, words_of(starts, pitches))
-            step = matrices[name] if chosen is pitches else 1
-            for value in ((kept + step * n) % (step * banks) for n in range(banks)):
-                chosen[name] = value
-                known = words_of(starts, pitches)
-                stalls = sum(one.weight * one.stalls(known) for one in touched)
-                if stalls < (1.0 - _NOISE) * least:
-                    kept, least = value, stalls
-                if (1.0 - _NOISE) * least <= floor:
-                    break
-            chosen[name] = kept
+            is_pitch = chosen is pitches
+            word = pitch_of(name, 1).key if is_pitch else f"&{name}"
+            step, unit = (matrices[name], 1) if is_pitch else (1, WORD_BYTES)
+            values = (unit * ((chosen[name] + step * n) % (step * banks)) for n in range(banks))
+            known = words_of(starts, pitches)
+            chosen[name] = _best_value(busy, (name, word), values, known, _NOISE) // unit
         if (pitches, starts) == before:
             break
     return pitches, starts
