@@ -90,8 +90,29 @@ def by_hand(x, y):
         x[i] = y[i]
 
 
-def test_a_user_clamps_as_before() -> None:
-    assert for_sizes(tidy(by_hand.lower())) is None
+@vividc.kernel(f"void({V}, {V}, {V})")
+def filtered(x, taps, y):
+    """There are fewer taps than samples."""
+    for i in range(x.shape[0]):
+        total = np.float32(0.0)
+        for k in range(min(taps.shape[0], i + 1)):
+            total += taps[k] * x[i - k]
+        y[i] = total
+
+
+@pytest.mark.parametrize("kernel", [by_hand, filtered], ids=lambda kernel: kernel.name)
+def test_a_user_clamps_as_before(kernel: KernelFunction) -> None:
+    assert for_sizes(tidy(kernel.lower())) is None
+
+
+@vividc.kernel(f"void({V}, {V}, int32)")
+def up_to_a_scalar(x, y, n):
+    for i in range(n):
+        x[:i] += y[i]
+
+
+def test_slices_up_to_a_scalar_ask_for_sizes() -> None:
+    assert for_sizes(tidy(up_to_a_scalar.lower())) is not None
 
 
 @vividc.kernel(f"void({V}, {V}, int32)")

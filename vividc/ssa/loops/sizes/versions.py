@@ -25,6 +25,7 @@ from vividc.ssa.ir import (
     Branch,
     Const,
     Function,
+    Input,
     Instr,
     Ref,
     Value,
@@ -174,7 +175,7 @@ def _wanted(function: Function, given: tuple[Sum, ...]) -> tuple[Sum, ...]:
     for block in blocks:
         for lacking in _asked(order, block):
             order.given += [one for one in lacking if one not in order.given]
-            asks = asks or (block.name in inside and bool(lacking))
+            asks = asks or (block.name in inside and _is_likely(lacking))
     if _makes_arrays(function):
         for lacking in lacking_lengths(order):
             order.given += [one for one in lacking if one not in order.given]
@@ -185,6 +186,19 @@ def _wanted(function: Function, given: tuple[Sum, ...]) -> tuple[Sum, ...]:
         for lacking in _in_rows(order, rows, block):
             order.given += [one for one in lacking if one not in order.given]
     return tuple(order.given[len(given) :])
+
+
+def _is_likely(lacking: tuple[Sum, ...]) -> bool:
+    """Whether sizes that lack nothing but these sums mostly agree: one array may well have fewer
+    elements than another one, as taps than samples, which `min(len(taps), i + 1)` asks for.
+    """
+    return any(len(_arrays(one)) <= 1 or Sum(()).less(one) in lacking for one in lacking)
+
+
+def _arrays(one: Sum) -> set[str]:
+    """The arrays of which a sum has dimensions."""
+    inputs = [value for value, _ in one.terms if isinstance(value, Input)]
+    return {value.key.split(".")[0] for value in inputs if is_dimension(value)}
 
 
 def _in_rows(order: Order, rows: FlatRows, block: Block) -> Iterator[tuple[Sum, ...]]:
