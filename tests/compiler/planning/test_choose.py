@@ -125,6 +125,41 @@ def test_a_nest_is_restructured_unless_that_is_ruled_out() -> None:
     assert stages[-1].estimate.cycles < stages[0].estimate.cycles / 4
 
 
+@vividc.kernel("int32(float32[:, ::1], float32[:, ::1], float32[:, ::1], float32)")
+def repeated(c, a, b, enough):
+    """c = a @ b, then b = c, until little changes."""
+    change, times = np.float32(3e38), np.int32(0)
+    while change > enough and times < 100:
+        for i in range(c.shape[0]):
+            for j in range(c.shape[1]):
+                total = np.float32(0.0)
+                for k in range(a.shape[1]):
+                    total += a[i, k] * b[k, j]
+                c[i, j] = total
+        change = np.float32(0.0)
+        for i in range(c.shape[0]):
+            for j in range(c.shape[1]):
+                change = max(change, abs(c[i, j] - b[i, j]))
+                b[i, j] = c[i, j]
+        times += 1
+    return times
+
+
+def test_nests_in_a_loop_that_is_not_counted_are_restructured() -> None:
+    stages = plan(repeated).stages
+    assert "restructuring" in [kind for kind, _ in made(stages[-1])]
+    rng = np.random.default_rng(1)
+    a = (rng.standard_normal((9, 9)) / 16).astype(np.float32)
+    b = rng.standard_normal((9, 9)).astype(np.float32)
+    ours, theirs = [[np.zeros_like(a), a, b.copy(), np.float32(1e-3)] for _ in range(2)]
+    result = vividc.simulate(vividc.compile(repeated), *ours)
+    written = vividc.compile(repeated, loops=vividc.LoopOptions(restructure=False))
+    assert result.value == repeated(*theirs) > 1
+    np.testing.assert_allclose(ours[2], theirs[2], rtol=1e-5, atol=1e-6)
+    others = np.zeros_like(a), a, b.copy(), np.float32(1e-3)
+    assert result.cycles < 0.8 * vividc.simulate(written, *others).cycles
+
+
 @vividc.kernel("void(float32[:, ::1], float32[:, ::1])")
 def refused_shapes(c, a):
     """A nest of each kind: for equal shapes, and for others, which are the exception."""

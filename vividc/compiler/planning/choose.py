@@ -230,7 +230,7 @@ class _Chooser(Draft):
         if restructure and form is None:
             self._restructure_all()
         elif restructure and form is not None:
-            for header in (one for one in self.outermost() if one in self.forms):
+            for header in (one for one in self.nests() if one in self.forms):
                 self._take(header, self.forms[header][: form + 1][-1])
         if restructure:
             self._unroll_fully(self.now.state.made)
@@ -293,7 +293,7 @@ class _Chooser(Draft):
         prevent.
         """
         awaited: set[str] = set()
-        for header in self.outermost():
+        for header in self.nests():
             if not isinstance(static_part(self.now.state, header), Refusal):
                 inside = self.now.state.loop(header).blocks
                 loops = find_loops(self.now.state.function)
@@ -336,7 +336,7 @@ class _Chooser(Draft):
 
     def _restructure_all(self) -> None:
         """Restructures nests; those that take little beside the others when these take less."""
-        headers, before = self.outermost(), math.inf
+        headers, before = self.nests(), math.inf
         while headers and self.now.estimate.cycles < before:
             before, tried, headers = self.now.estimate.cycles, headers, []
             for header in tried:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 
 from vividc.compiler.planning.candidates import Candidate, Kind, apply
 from vividc.compiler.planning.estimate import Estimate, Estimator
-from vividc.compiler.planning.nests.parts import with_tree
+from vividc.compiler.planning.nests.parts import static_part, with_tree
 from vividc.compiler.planning.options import LoopOptions
 from vividc.compiler.planning.state import State
 from vividc.errors import SourceLoc
@@ -254,6 +254,20 @@ class Draft:
             if not any(header in loop.blocks for header in self.fixed | self.now.state.made)
         ]
 
+    def nests(self) -> list[str]:
+        """Headers of outermost loops, and of the outermost static-control parts in those that are
+        none, such as loops that end when little has changed.
+        """
+        state, headers = self.now.state, self.outermost()
+        opened = [state.loop(h).blocks for h in headers if _is_refused(state, h)]
+        held = set[str]()
+        for loop in reversed(find_loops(state.function)):  # inner ones come first there
+            is_inside = any(loop.header in blocks for blocks in opened)
+            if is_inside and loop.header not in held and not _is_refused(state, loop.header):
+                held |= loop.blocks
+                headers.append(loop.header)
+        return headers
+
     def innermost(self) -> Iterator[Loop]:
         """Loops with no other one in them, of which the user decided nothing."""
         loops = find_loops(self.now.state.function)
@@ -281,6 +295,10 @@ class Draft:
             if loop.header not in self.fixed and not any(loop.header in o.blocks for o in chosen):
                 chosen.append(loop)
         return [loop.header for loop in chosen]
+
+
+def _is_refused(state: State, header: str) -> bool:
+    return isinstance(static_part(state, header), Refusal)
 
 
 def _outermost(state: State) -> list[Loop]:
