@@ -87,6 +87,33 @@ def test_addresses_that_are_known(
     assert traffic.stalls() == stalls
 
 
+STARTS = st.sampled_from([(), (("&a",),), (("&b",),), (("&a",), ("&a", "%x")), (("&b", "%y"),)])
+"""Words for where arrays start, as addresses have them: also of another array, and twice."""
+
+
+@given(
+    st.lists(st.tuples(FORM, STARTS, st.integers(0, 5), st.booleans()), min_size=1, max_size=6),
+    st.sampled_from([None, ("a",), ("a", "b", "d")]),
+    st.sampled_from([{}, {"&b": 8}, {"&b": 4, "%x": 3}]),
+    st.integers(1, 3),
+)
+def test_all_starts_of_an_array_at_once(
+    accesses: list[tuple[AddressForm, tuple[tuple[str, ...], ...], int, bool]],
+    among: tuple[str, ...] | None,
+    known: dict[str, int],
+    ii: int,
+) -> None:
+    forms = [(*form, *((words, 1) for words in starts)) for form, starts, _, _ in accesses]
+    guarded = tuple(n for n, one in enumerate(accesses, 1) if one[-1])
+    times = {n: time for n, (_, _, time, _) in enumerate(accesses, 1)}
+    dfg = graph(*forms, guarded=guarded)
+    at_once, one_by_one = (Traffic.of(dfg, PAD, ii, times) for _ in range(2))
+    starts = [{**known, "&a": 4 * bank} for bank in range(PAD.banks)]
+    expected = [one_by_one.stalls(start, among) for start in starts]
+    assert at_once.stalls_by_start("a", known, among) == expected
+    assert [at_once.stalls(start, among) for start in starts] == expected
+
+
 def test_what_is_predicated_stalls_less() -> None:
     forms = (at(0), at(16), at(32))
     times = dict.fromkeys((1, 2, 3), 0)

@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 
 from vividc.mapper.resources.arrays import Ints
-from vividc.mapper.resources.waits import CROWDED, TURNS, spread_slots, waits_of
+from vividc.mapper.resources.waits import (
+    CROWDED,
+    TURNS,
+    spread_slots,
+    waits_by_start,
+    waits_of,
+    waits_of_slot,
+)
 
 BANKS, DRAWS = 4, 24
 
@@ -21,6 +28,21 @@ def test_a_tile_waits_for_the_fullest_bank_of_each_slot(accesses: int) -> None:
         there = Counter(places[:, draw].tolist())
         fullest = [max(there[BANKS * slot + bank] for bank in range(BANKS)) for slot in range(3)]
         assert waits == sum(max(most - 1, 0) for most in fullest)
+
+
+@pytest.mark.parametrize("accesses", [2, 7, 30])
+def test_accesses_of_a_slot_move_with_where_arrays_start(accesses: int) -> None:
+    rng = np.random.default_rng(accesses)
+    places = rng.integers(-1, BANKS, (accesses, DRAWS))
+    moved, own = rng.integers(0, BANKS, accesses), rng.integers(0, 2, accesses)
+    by_start = waits_by_start(places, moved, own, BANKS).tolist()
+    for start in range(BANKS):
+        total = 0
+        for drawn in places.T.tolist():
+            banks = zip(drawn, moved, own, strict=True)
+            there = Counter((b + m + start * o) % BANKS for b, m, o in banks if b >= 0)
+            total += max(there.values(), default=1) - 1
+        assert waits_of_slot(places, moved + start * own, BANKS) == by_start[start] == total
 
 
 @pytest.mark.parametrize(("accesses", "choices", "ii"), [(2, 1, 1), (9, 3, 4), (20, 8, 6)])

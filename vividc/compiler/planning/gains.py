@@ -81,7 +81,7 @@ _IN_GROUPS: Final = _UNROLLED | {"partial results"}
 _OF_GROUP: Final = 0.85
 """Of the operations of a group's iterations, those that are left of them at least. Of 456 loops of
 NPBench that were tried in groups, a third has no room for a gain that pays if so many are left, and
-none of these paid; at 0.89 one of 191 that paid would have none.
+none of these paid; at 0.89 two of 191 that paid would have none.
 """
 
 _COUNTERS: Final = 2

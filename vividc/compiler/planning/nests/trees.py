@@ -30,7 +30,9 @@ nests (fdtd_2d) the orders alone are 30, and the last groups had no factors.
 """
 
 _LARGER = 3
-"""Symbols may be so many times as large as they are expected."""
+"""Symbols may be so many times as large as they are expected, less one: factors divide most lengths
+that are expected, and few others.
+"""
 
 STORED = 0.6
 """Of the entries of constant stores beside load/store units, which nests share: what accesses of a
