@@ -77,9 +77,10 @@ _KEPT: Final = 0.8
 what one loop takes at least: of 46 nests of NPBench one took 0.88, the others 1.2 and more.
 """
 
-_IN_GROUPS: Final = _UNROLLED | {"partial results"}
+_IN_GROUPS: Final = frozenset({"masked unrolling", "partial results"})
+"""Unrolling is not among them: what saves less than it has to is still advised (`advice`)."""
 _OF_GROUP: Final = 0.85
-"""Of the operations of a group's iterations, those that are left of them at least. Of 456 loops of
+"""Of the operations of a group's iterations, those that are left of them at least. Of 449 loops of
 NPBench that were tried in groups, a third has no room for a gain that pays if so many are left, and
 none of these paid; at 0.89 two of 191 that paid would have none.
 """
@@ -136,8 +137,7 @@ def _grouped_in_vain(
     if shape.bound is not None and shape.bound.name == "RecMII":
         is_shared = candidate.kind == "partial results" or shape.ii <= _COUNTERS
         least = max(least, shape.ii if is_shared else factor * shape.ii)
-    rest = 0.0 if candidate.kind == "unrolling" else (factor - 1) / 2
-    groups = (cost.trips + rest) / factor
+    groups = (cost.trips + (factor - 1) / 2) / factor
     if cost.runs * (cost.trips * shape.ii - groups * least) >= pays:
         return ""
     return f"{factor} of its iterations would take {least} cycles, one takes {shape.ii}"
