@@ -261,7 +261,7 @@ class Draft:
         state, headers = self.now.state, self.outermost()
         opened = [state.loop(h).blocks for h in headers if _is_refused(state, h)]
         held = set[str]()
-        for loop in reversed(find_loops(state.function)):  # inner ones come first there
+        for loop in reversed(find_loops(state.function)):  # outer ones first
             is_inside = any(loop.header in blocks for blocks in opened)
             if is_inside and loop.header not in held and not _is_refused(state, loop.header):
                 held |= loop.blocks

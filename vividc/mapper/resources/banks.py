@@ -211,11 +211,9 @@ class Traffic:
     def stalls_by_start(
         self, array: str, known: Words = NOTHING, among: Collection[str] | None = None
     ) -> list[float]:
-        """As `stalls`, for each bank that an array may start in."""
+        """As `stalls` of what is mapped, for each bank that an array may start in."""
+        assert self.times is not None
         group = self._among(None if among is None else frozenset(among))
-        if self.times is None or len(group.accesses) < 2:  # noqa: PLR2004 - as below
-            starts = ({**known, f"&{array}": WORD_BYTES * bank} for bank in range(self.banks))
-            return [self.stalls(start, among) for start in starts]
         totals = np.zeros(self.banks)
         for slot, here in self._slots_of(group, self.times).items():
             totals += self._slot_by_start(slot, here, array, known)

@@ -198,7 +198,7 @@ def _is_likely(lacking: tuple[Sum, ...]) -> bool:
 def _arrays(one: Sum) -> set[str]:
     """The arrays of which a sum has dimensions."""
     inputs = [value for value, _ in one.terms if isinstance(value, Input)]
-    return {value.key.split(".")[0] for value in inputs if is_dimension(value)}
+    return {value.key.rsplit(".", 1)[0] for value in inputs if is_dimension(value)}
 
 
 def _in_rows(order: Order, rows: FlatRows, block: Block) -> Iterator[tuple[Sum, ...]]:
